@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every setting of the measuring pipeline with its unit, range and default. Defaults stand here
+// and nowhere else.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "lsv/core/result.h"
+#include "lsv/core/shift.h"
+
+namespace lsv {
+
+/// How the correlation plane over the lags is computed.
+enum class Engine {
+  zncc,    // zero-normalised cross-correlation, exact overlap at each lag, by FFT (default)
+  cross,   // plain circular FFT cross-correlation of mean-free frames
+  phase,   // phase correlation: the cross-power spectrum whitened
+  direct,  // ZNCC summed lag by lag: O(N^2 M^2), the slow reference
+};
+
+/// Sub-pixel model fitted to the 3 x 3 lags around the peak.
+enum class PeakFit {
+  gaussian2d,  // least-squares 2-D Gaussian with cross term (default)
+  gaussian3,   // separable 3-point Gaussian
+  parabola3,   // separable 3-point parabola
+};
+
+std::optional<Engine> engine_from(std::string_view word);
+std::optional<PeakFit> peak_fit_from(std::string_view word);
+std::string_view word(Engine engine);
+std::string_view word(PeakFit fit);
+
+struct CorrelationConfig {
+  Engine engine = Engine::zncc;
+  PeakFit peak_fit = PeakFit::gaussian2d;
+  /// Lags searched along each axis: -max_shift_px .. +max_shift_px, px, >= 2. Unset: 32 (the
+  /// range of the source) or half the side of the frame, whichever is less.
+  std::optional<int> max_shift_px;
+};
+
+/// When a shift is refused. Ratios are dimensionless; counts are camera grey values.
+struct GateConfig {
+  double min_zncc = 0.25;                // [-1, 1]
+  double min_q = 6.0;                    // depends on window and speckle size: tune per data set
+  double min_peak_ratio = 1.3;           // >= 1
+  double min_signal_fraction = 0.008;    // mean above camera offset, of full scale, [0, 1]
+  double max_saturated_fraction = 0.20;  // of the pixels, [0, 1]
+  double min_contrast_to_noise = 3.0;    // pixel spread / camera noise sd, >= 0
+  bool refuse_frozen = true;             // ignored when the camera noise sd is 0
+};
+
+/// From pixel shift to metres on the ground: surface travel = shift * pitch / Sc (eqs 3.8, 3.9 of
+/// the Masuku thesis), and the camera noise that the gates and sigmas rest on.
+struct Calibration {
+  std::string sensor_name;
+  double pixel_pitch_x_m = kUnknown;  // > 0
+  double pixel_pitch_y_m = kUnknown;
+  double sc_x_ratio = kUnknown;  // pattern shift on the sensor / surface travel, > 0
+  double sc_y_ratio = kUnknown;
+  double noise_mean_counts = kUnknown;  // dark level, >= 0
+  double noise_sd_counts = kUnknown;    // temporal noise of one pixel, >= 0; 0 = noise-free frames
+  std::string digest;                   // SHA-256 of the file it came from, hex
+};
+
+struct TrackConfig {
+  CorrelationConfig correlation;
+  GateConfig gate;
+  Calibration calibration;
+};
+
+/// The first setting that is out of its range, named with its value.
+Result<void> validate(const TrackConfig& config);
+
+}  // namespace lsv

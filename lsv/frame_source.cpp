@@ -1,0 +1,1 @@
+#include "lsv/frame_source.h"

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program `lsv`: parses the command line and hands over to one subcommand.
+#include <cstdio>
+#include <cstdlib>
+#include <opencv2/core/utils/logger.hpp>
+
+#include "tools/commands.h"
+
+namespace lsv::cli {
+
+int report_error(const Error& error) {
+  std::fprintf(stderr, "lsv: %s\n", error.message.c_str());
+  switch (error.code) {
+    case ErrorCode::invalid_argument:
+      return kExitUsage;
+    case ErrorCode::bad_input:
+    case ErrorCode::unsupported:
+      return kExitBadInput;
+    case ErrorCode::output_failed:
+      return kExitOutputFailed;
+  }
+  return kExitOutputFailed;
+}
+
+namespace {
+
+int run(int argc, char** argv) {
+  CLI::App app{"lsv: laser speckle velocimetry - camera frames in, calibrated track out"};
+  app.set_version_flag("--version", "lsv " LSV_VERSION);
+  app.require_subcommand(1);
+  int exit_code = kExitOk;
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // CLI11 prints help and errors; its own codes (109 for an unknown word) mean nothing to users.
+    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+  }
+  return exit_code;
+}
+
+}  // namespace
+}  // namespace lsv::cli
+
+int main(int argc, char** argv) {
+  // Video libraries talk on stderr by default; our one line per error is the only voice there.
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  return lsv::cli::run(argc, argv);
+}
