@@ -11,6 +11,13 @@ namespace lsv {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+/// Lags searched: columns -max_dx_px..max_dx_px, rows -max_dy_px..max_dy_px.
+struct LagRange {
+  int max_dx_px = 0;
+  int max_dy_px = 0;
+  friend bool operator==(const LagRange&, const LagRange&) = default;
+};
+
 /// Why a shift may, or may not, be used. Every value but `ok` leaves the numbers NaN.
 enum class ShiftStatus {
   ok,

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The calibration file: TOML with the unit of every number in its key.
+//
+//   schema = "lsv.calibration/1"
+//   [sensor]
+//   name = "..."                 # free text
+//   pixel_pitch_x_m = 14e-6      # > 0
+//   pixel_pitch_y_m = 14e-6      # > 0
+//   sc_x_ratio = 1.985           # > 0, pattern shift on the sensor / surface travel
+//   sc_y_ratio = 2.000           # > 0
+//   [camera]
+//   noise_mean_counts = 3.0      # >= 0, dark level
+//   noise_sd_counts = 0.5        # >= 0, temporal noise of a pixel; 0 only for noise-free frames
+//
+// Every key is required and no other is allowed. An error names file, line and key; there is no
+// fallback calibration.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "lsv/core/config.h"
+#include "lsv/core/result.h"
+
+namespace lsv {
+
+Result<Calibration> load_calibration(const std::string& path);
+
+/// `name` stands for the file in error messages.
+Result<Calibration> parse_calibration(std::string_view text, const std::string& name);
+
+}  // namespace lsv

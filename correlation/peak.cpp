@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "correlation/peak.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+
+#include "correlation/kernels.h"
+
+namespace lsv {
+namespace {
+
+/// The quadratic c + gx x + gy y + (hxx x^2 + 2 hxy x y + hyy y^2) / 2 around the centre lag.
+struct Quadratic {
+  double c, gx, gy, hxx, hxy, hyy;
+};
+
+/// f[row][column], rows dy = -1, 0, 1.
+using Neighbourhood = std::array<std::array<double, 3>, 3>;
+
+Neighbourhood neighbourhood(const CorrelationPlane& plane, int dx_px, int dy_px) {
+  Neighbourhood f;
+  for (int j = -1; j <= 1; ++j) {
+    for (int i = -1; i <= 1; ++i)
+      f[static_cast<std::size_t>(j + 1)][static_cast<std::size_t>(i + 1)] =
+          plane.at(dx_px + i, dy_px + j);
+  }
+  return f;
+}
+
+bool all_positive(const Neighbourhood& f) {
+  return std::all_of(f.begin(), f.end(), [](const auto& row) {
+    return std::all_of(row.begin(), row.end(), [](double v) { return v > 0.0; });
+  });
+}
+
+void take_log(Neighbourhood& f) {
+  for (auto& row : f) {
+    for (double& value : row) value = std::log(value);
+  }
+}
+
+/// Least squares over the nine lags; on a 3 x 3 grid the basis 1, x, y, x^2 - 2/3, y^2 - 2/3, xy
+/// is orthogonal, so every coefficient is one weighted sum.
+Quadratic fit_full(const Neighbourhood& f) {
+  double mean = 0.0, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
+  for (int j = -1; j <= 1; ++j) {
+    for (int i = -1; i <= 1; ++i) {
+      const double v = f[static_cast<std::size_t>(j + 1)][static_cast<std::size_t>(i + 1)];
+      mean += v / 9.0;
+      x += i * v / 6.0;
+      y += j * v / 6.0;
+      xx += (i * i - 2.0 / 3.0) * v / 2.0;
+      yy += (j * j - 2.0 / 3.0) * v / 2.0;
+      xy += i * j * v / 4.0;
+    }
+  }
+  return {.c = mean - 2.0 / 3.0 * (xx + yy),
+          .gx = x,
+          .gy = y,
+          .hxx = 2.0 * xx,
+          .hxy = xy,
+          .hyy = 2.0 * yy};
+}
+
+Quadratic fit_cross(const Neighbourhood& f) {
+  const double centre = f[1][1];
+  return {.c = centre,
+          .gx = (f[1][2] - f[1][0]) / 2.0,
+          .gy = (f[2][1] - f[0][1]) / 2.0,
+          .hxx = f[1][2] - 2.0 * centre + f[1][0],
+          .hxy = 0.0,
+          .hyy = f[2][1] - 2.0 * centre + f[0][1]};
+}
+
+struct Maximum {
+  double dx_px, dy_px, value;
+  PeakShape shape;
+};
+
+/// Empty when the surface has no maximum within one lag of the centre.
+std::optional<Maximum> maximum(const Quadratic& q) {
+  const double det = q.hxx * q.hyy - q.hxy * q.hxy;
+  if (!(q.hxx < 0.0) || !(q.hyy < 0.0) || !(det > 0.0)) return std::nullopt;
+  const PeakShape shape{.xx_px2 = -q.hyy / det, .xy_px2 = q.hxy / det, .yy_px2 = -q.hxx / det};
+  const double dx = shape.xx_px2 * q.gx + shape.xy_px2 * q.gy;
+  const double dy = shape.xy_px2 * q.gx + shape.yy_px2 * q.gy;
+  if (std::abs(dx) > 1.0 || std::abs(dy) > 1.0) return std::nullopt;
+  return Maximum{dx, dy, q.c + 0.5 * (q.gx * dx + q.gy * dy), shape};
+}
+
+std::optional<Maximum> fit_maximum(Neighbourhood f, PeakFit fit) {
+  if (fit == PeakFit::parabola3) {
+    std::optional<Maximum> top = maximum(fit_cross(f));
+    if (!top || !(top->value > 0.0)) return std::nullopt;
+    // -(log f)'' = -f''/f at a maximum
+    for (double* entry : {&top->shape.xx_px2, &top->shape.xy_px2, &top->shape.yy_px2})
+      *entry *= top->value;
+    return top;
+  }
+  if (!all_positive(f)) return std::nullopt;
+  take_log(f);
+  std::optional<Maximum> top = maximum(fit == PeakFit::gaussian2d ? fit_full(f) : fit_cross(f));
+  if (top) top->value = std::exp(top->value);
+  return top;
+}
+
+}  // namespace
+
+Peak find_peak(const CorrelationPlane& plane, PeakFit fit) {
+  const std::size_t n = plane.values.size();
+  const float highest = kernels::max_value(plane.values.data(), n);
+  const float* const first = std::find(plane.values.data(), plane.values.data() + n, highest);
+  Peak out;
+  if (first == plane.values.data() + n) return out;  // the plane holds NaN
+  const auto index = static_cast<int>(first - plane.values.data());
+  out.lag_dx_px = index % plane.width() - plane.lags.max_dx_px;
+  out.lag_dy_px = index / plane.width() - plane.lags.max_dy_px;
+  out.lag_value = highest;
+  if (std::abs(out.lag_dx_px) == plane.lags.max_dx_px ||
+      std::abs(out.lag_dy_px) == plane.lags.max_dy_px) {
+    out.status = ShiftStatus::peak_at_border;
+    return out;
+  }
+  const std::optional<Maximum> top =
+      fit_maximum(neighbourhood(plane, out.lag_dx_px, out.lag_dy_px), fit);
+  if (!top) return out;
+  out.status = ShiftStatus::ok;
+  out.dx_px = out.lag_dx_px + top->dx_px;
+  out.dy_px = out.lag_dy_px + top->dy_px;
+  out.value = top->value;
+  out.shape = top->shape;
+  return out;
+}
+
+}  // namespace lsv

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The one sub-pixel implementation: the highest lag of a plane and a model fitted to the 3 x 3
+// lags around it.
+//   gaussian2d  log plane = quadratic in (dx, dy) with cross term, least squares over 9 lags
+//   gaussian3   separable: log parabola through 3 lags per axis
+//   parabola3   separable: parabola through 3 lags per axis
+// The 2-D fit is the default because a peak stretched by motion blur leans, and separable fits
+// ignore the cross term.
+#pragma once
+
+#include "correlation/correlator.h"
+#include "lsv/core/config.h"
+#include "lsv/core/shift.h"
+
+namespace lsv {
+
+/// Width of the peak as the inverse Hessian of its logarithm: the covariance matrix of the
+/// Gaussian that it resembles, px^2.
+struct PeakShape {
+  double xx_px2 = kUnknown;
+  double xy_px2 = kUnknown;
+  double yy_px2 = kUnknown;
+};
+
+struct Peak {
+  ShiftStatus status = ShiftStatus::flat_peak;  // ok, peak_at_border or flat_peak
+  int lag_dx_px = 0;                            // the highest whole lag, always set
+  int lag_dy_px = 0;
+  double lag_value = kUnknown;  // the plane there
+  double dx_px = kUnknown;      // sub-pixel position; NaN unless ok
+  double dy_px = kUnknown;
+  double value = kUnknown;  // the model at its maximum; NaN unless ok
+  PeakShape shape;          // NaN unless ok
+};
+
+Peak find_peak(const CorrelationPlane& plane, PeakFit fit);
+
+}  // namespace lsv

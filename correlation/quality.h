@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How good a correlation is (measured, never judged: the gate judges) and how uncertain its shift.
+//
+//   zncc         ZNCC of the two frames at the peak. For the zncc and direct engines the fitted
+//                maximum of the plane, at most 1; for cross and phase, whose planes are scaled
+//                otherwise, the exact ZNCC at the highest whole lag.
+//   q            highest value of the plane / mean of |plane| over all lags searched: the
+//                "peak to mean level" of the Masuku thesis (3.4.1). It is no coefficient: it
+//                depends on window, speckle size and search range, so a limit is per data set.
+//   peak_ratio   highest value / highest value outside the peak (beyond 3 sigma of its width,
+//                at least 3 px).
+//   peak_to_rms  highest value / rms of the plane outside the peak.
+#pragma once
+
+#include "correlation/correlator.h"
+#include "correlation/peak.h"
+#include "lsv/core/shift.h"
+
+namespace lsv {
+
+/// `plane` must be the one that `peak` was found in; its engine decides what `zncc` means.
+ShiftQuality measure_quality(const CorrelationPlane& plane, const Peak& peak);
+
+/// What the covariance rests on besides the peak itself.
+struct NoiseModel {
+  double noise_sd_counts = 0.0;  // temporal noise of one pixel in either frame
+  PeakFit fit = PeakFit::gaussian2d;
+};
+
+/// Covariance of the sub-pixel shift, as the sum of three terms (W = peak.shape, N = pixels in
+/// the overlap, |W| its determinant):
+///  - camera noise: 2 sigma_n^2 / (N sigma_I^2) W, the Cramer-Rao bound of a shift between two
+///    frames with white noise (Robinson and Milanfar 2004);
+///  - decorrelation: k^2 (pi/2) (1 - r^2) / r^2 sqrt|W| W / N, with r the ZNCC that is left once
+///    camera noise is accounted for. The factor without k holds for stationary Gaussian
+///    patterns; k = 1.9 for speckle intensity, measured with the simulator;
+///  - model error of the fit, of the same form with a constant in place of (1 - r^2) / r^2,
+///    measured for each PeakFit (docs/accuracy-model.md).
+ShiftCovariance shift_covariance(const Peak& peak, double zncc, const FrameStats& earlier,
+                                 const FrameStats& later, double overlap_px,
+                                 const NoiseModel& noise);
+
+}  // namespace lsv

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lsv/gate.h"
+
+#include <algorithm>
+
+namespace lsv {
+
+ShiftStatus judge_frame(const FrameFormat& format, const FrameStats& stats, const GateConfig& gate,
+                        const Calibration& camera) {
+  constexpr double kQuantisationSd_counts = 0.289;  // 1 / sqrt(12)
+  if (stats.saturated_fraction > gate.max_saturated_fraction) return ShiftStatus::saturated;
+  const double signal_counts = stats.mean_counts - camera.noise_mean_counts;
+  if (signal_counts < gate.min_signal_fraction * full_scale_counts(format.bit_depth))
+    return ShiftStatus::dark;
+  const double noise_counts = std::max(camera.noise_sd_counts, kQuantisationSd_counts);
+  if (stats.sd_counts < gate.min_contrast_to_noise * noise_counts) return ShiftStatus::low_contrast;
+  return ShiftStatus::ok;
+}
+
+bool is_frozen(const PreparedFrame& earlier, const PreparedFrame& later, const GateConfig& gate,
+               const Calibration& camera) {
+  return gate.refuse_frozen && camera.noise_sd_counts > 0.0 && identical_pixels(earlier, later);
+}
+
+ShiftStatus judge_shift(const Shift& shift, const GateConfig& gate) {
+  if (shift.status != ShiftStatus::ok) return shift.status;
+  // Written so that NaN fails.
+  if (!(shift.quality.zncc >= gate.min_zncc)) return ShiftStatus::below_zncc_gate;
+  if (!(shift.quality.peak_ratio >= gate.min_peak_ratio)) return ShiftStatus::ambiguous;
+  if (!(shift.quality.q >= gate.min_q)) return ShiftStatus::below_q_gate;
+  return ShiftStatus::ok;
+}
+
+Shift with_status(const Shift& shift, ShiftStatus status) {
+  if (status == ShiftStatus::ok) return shift;
+  Shift out;
+  out.quality = shift.quality;
+  out.status = status;
+  return out;
+}
+
+}  // namespace lsv

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The Q gate: may this shift be used? First the two frames are judged (dark, saturated, low
+// contrast, frozen), then the correlation (border, shape, ZNCC, ambiguity, Q). The first reason
+// found is the one reported. Pure functions of the measurements and the settings.
+#pragma once
+
+#include "correlation/prepared_frame.h"
+#include "lsv/core/config.h"
+#include "lsv/core/shift.h"
+
+namespace lsv {
+
+/// ok, dark, saturated or low_contrast.
+ShiftStatus judge_frame(const FrameFormat& format, const FrameStats& stats, const GateConfig& gate,
+                        const Calibration& camera);
+
+/// A camera that has noise never delivers the same frame twice.
+bool is_frozen(const PreparedFrame& earlier, const PreparedFrame& later, const GateConfig& gate,
+               const Calibration& camera);
+
+/// The status that `shift` deserves; its own status if that is already a refusal.
+ShiftStatus judge_shift(const Shift& shift, const GateConfig& gate);
+
+/// `shift` with `status`; the numbers become NaN and the quality stays unless it is ok.
+Shift with_status(const Shift& shift, ShiftStatus status);
+
+}  // namespace lsv
