@@ -14,21 +14,21 @@ double overlap_px(const FrameFormat& format, const Peak& peak) {
 
 }  // namespace
 
-Shift measure_shift(Correlator& correlator, Engine engine, const NoiseModel& noise,
-                    const PreparedFrame& earlier, const PreparedFrame& later,
-                    CorrelationPlane& plane) {
+Shift measure_shift(Correlator& correlator, const ErrorModel& model, const PreparedFrame& earlier,
+                    const PreparedFrame& later, CorrelationPlane& plane) {
   correlator.correlate(earlier, later, plane);
-  const Peak peak = find_peak(plane, noise.fit);
+  const Peak peak = find_peak(plane, model.fit);
+  const double overlap = overlap_px(correlator.format(), peak);
+  std::optional<double> zncc;
+  if (model.engine == Engine::cross || model.engine == Engine::phase)
+    zncc = zncc_at(earlier, later, peak.lag_dx_px, peak.lag_dy_px);
   Shift out;
-  out.quality = measure_quality(plane, peak);
-  if (engine == Engine::cross || engine == Engine::phase)
-    out.quality.zncc = zncc_at(earlier, later, peak.lag_dx_px, peak.lag_dy_px);
+  out.quality = measure_quality(plane, peak, overlap, zncc);
   out.status = peak.status;
   if (out.status != ShiftStatus::ok) return out;
   out.dx_px = peak.dx_px;
   out.dy_px = peak.dy_px;
-  out.cov = shift_covariance(peak, out.quality.zncc, earlier.stats, later.stats,
-                             overlap_px(correlator.format(), peak), noise);
+  out.cov = shift_covariance(peak, out.quality.zncc, earlier.stats, later.stats, overlap, model);
   return out;
 }
 

@@ -11,8 +11,7 @@
 namespace lsv {
 
 /// Does not allocate. `plane` is left holding the correlation plane of this pair.
-Shift measure_shift(Correlator& correlator, Engine engine, const NoiseModel& noise,
-                    const PreparedFrame& earlier, const PreparedFrame& later,
-                    CorrelationPlane& plane);
+Shift measure_shift(Correlator& correlator, const ErrorModel& model, const PreparedFrame& earlier,
+                    const PreparedFrame& later, CorrelationPlane& plane);
 
 }  // namespace lsv

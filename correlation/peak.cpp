@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "correlation/kernels.h"
+#include "correlation/sinc_surface.h"
 
 namespace lsv {
 namespace {
@@ -91,7 +92,7 @@ std::optional<Maximum> maximum(const Quadratic& q) {
   return Maximum{dx, dy, q.c + 0.5 * (q.gx * dx + q.gy * dy), shape};
 }
 
-std::optional<Maximum> fit_maximum(Neighbourhood f, PeakFit fit) {
+std::optional<Maximum> fit_lags(Neighbourhood f, PeakFit fit) {
   if (fit == PeakFit::parabola3) {
     std::optional<Maximum> top = maximum(fit_cross(f));
     if (!top || !(top->value > 0.0)) return std::nullopt;
@@ -105,6 +106,35 @@ std::optional<Maximum> fit_maximum(Neighbourhood f, PeakFit fit) {
   std::optional<Maximum> top = maximum(fit == PeakFit::gaussian2d ? fit_full(f) : fit_cross(f));
   if (top) top->value = std::exp(top->value);
   return top;
+}
+
+/// Newton steps on the interpolated plane, from the 3 x 3 fit or else from the highest lag.
+std::optional<Maximum> fit_sinc(const CorrelationPlane& plane, int lag_dx_px, int lag_dy_px) {
+  const Neighbourhood f = neighbourhood(plane, lag_dx_px, lag_dy_px);
+  std::optional<Maximum> start = fit_lags(f, PeakFit::gaussian2d);
+  const int radius = std::min({kMaxSincRadius, plane.lags.max_dx_px - std::abs(lag_dx_px),
+                               plane.lags.max_dy_px - std::abs(lag_dy_px)});
+  if (radius < kMinSincRadius) return start;
+  if (!start) start = Maximum{};
+  constexpr int kMaxSteps = 12;
+  constexpr double kConverged_px = 1e-7;
+  Maximum top = *start;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const SurfacePoint at = sinc_surface(plane, lag_dx_px, lag_dy_px, radius, lag_dx_px + top.dx_px,
+                                         lag_dy_px + top.dy_px);
+    const std::optional<Maximum> next = maximum(
+        {.c = at.value, .gx = at.gx, .gy = at.gy, .hxx = at.hxx, .hxy = at.hxy, .hyy = at.hyy});
+    if (!next || !(at.value > 0.0)) return std::nullopt;
+    top.dx_px += next->dx_px;
+    top.dy_px += next->dy_px;
+    if (std::abs(top.dx_px) > 1.0 || std::abs(top.dy_px) > 1.0) return std::nullopt;
+    top.value = next->value;
+    top.shape = {.xx_px2 = next->shape.xx_px2 * at.value,
+                 .xy_px2 = next->shape.xy_px2 * at.value,
+                 .yy_px2 = next->shape.yy_px2 * at.value};
+    if (std::abs(next->dx_px) < kConverged_px && std::abs(next->dy_px) < kConverged_px) return top;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -125,7 +155,8 @@ Peak find_peak(const CorrelationPlane& plane, PeakFit fit) {
     return out;
   }
   const std::optional<Maximum> top =
-      fit_maximum(neighbourhood(plane, out.lag_dx_px, out.lag_dy_px), fit);
+      fit == PeakFit::sinc ? fit_sinc(plane, out.lag_dx_px, out.lag_dy_px)
+                           : fit_lags(neighbourhood(plane, out.lag_dx_px, out.lag_dy_px), fit);
   if (!top) return out;
   out.status = ShiftStatus::ok;
   out.dx_px = out.lag_dx_px + top->dx_px;

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The one sub-pixel implementation: the highest lag of a plane and a model fitted to the 3 x 3
-// lags around it.
-//   gaussian2d  log plane = quadratic in (dx, dy) with cross term, least squares over 9 lags
+// The one sub-pixel implementation: the highest lag of a plane and a model of the surface around
+// it.
+//   sinc        the plane is band-limited like the images, so it is interpolated with a
+//               Gaussian-windowed sinc over up to 13 x 13 lags and its maximum found by Newton
+//               steps. The default: nothing is assumed about the shape of the peak, which is
+//               narrow and broad at once on textured ground.
+//   gaussian2d  log plane = quadratic in (dx, dy) with cross term, least squares over 3 x 3 lags
 //   gaussian3   separable: log parabola through 3 lags per axis
 //   parabola3   separable: parabola through 3 lags per axis
-// The 2-D fit is the default because a peak stretched by motion blur leans, and separable fits
-// ignore the cross term.
+// Near the edge of the plane sinc takes fewer lags; with fewer than 2 on a side it is gaussian2d.
 #pragma once
 
 #include "correlation/correlator.h"

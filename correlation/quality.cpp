@@ -30,6 +30,11 @@ PeakWindow peak_window(const CorrelationPlane& plane, const Peak& peak) {
           .max_dy = std::min(peak.lag_dy_px + ry, lags.max_dy_px)};
 }
 
+/// sqrt|W|: the squared width of the peak, geometric mean over its axes.
+double width_px2(const PeakShape& w) {
+  return std::sqrt(std::max(0.0, w.xx_px2 * w.yy_px2 - w.xy_px2 * w.xy_px2));
+}
+
 struct Background {
   double highest = kUnknown;
   double sum_squares = 0.0;
@@ -60,63 +65,93 @@ Background background_of(const CorrelationPlane& plane, const PeakWindow& window
   return out;
 }
 
-/// Error of the 3 x 3 peak models on fully developed speckle, as the (1 - r^2) / r^2 that would
-/// scatter the shift as much.
-double model_error(PeakFit fit) {
+/// Standard deviation of what a peak model gets wrong on clean speckle of 3 px or more in 128 x
+/// 128 px, measured with the simulator; it falls with the root of the pixels.
+double fit_error_px(PeakFit fit) {
   switch (fit) {
+    case PeakFit::sinc:
+      return 0.9e-3;
     case PeakFit::gaussian2d:
-      return 0.0075;
+      return 2.2e-3;
     case PeakFit::gaussian3:
-      return 0.06;
+      return 8e-3;
     case PeakFit::parabola3:
-      return 0.2;
+      return 20e-3;
   }
-  return 0.2;
+  return 20e-3;
+}
+
+/// What an engine adds because its plane is not the ZNCC of the overlap: the fall-off with the
+/// overlap bends the peak of cross; whitening leaves phase with little but noise beyond the band.
+double engine_error_px(Engine engine, double width_variance_px2, double side_px) {
+  switch (engine) {
+    case Engine::zncc:
+    case Engine::direct:
+      return 0.0;
+    case Engine::cross:
+      return 1.25 * width_variance_px2 / side_px;
+    case Engine::phase:
+      return 9.4 / side_px;
+  }
+  return 0.0;
+}
+
+/// What no model can undo: a plane sampled too coarsely for its peak (speckle of 2 px and less).
+/// Fitted to the simulator at 2 and 3 px.
+double undersampling_error_px(double width_variance_px2) {
+  return std::min(0.3, 4.4e-3 * std::pow(width_variance_px2, -2.75));
 }
 
 }  // namespace
 
-ShiftQuality measure_quality(const CorrelationPlane& plane, const Peak& peak) {
+ShiftQuality measure_quality(const CorrelationPlane& plane, const Peak& peak, double overlap_px,
+                             std::optional<double> zncc) {
   ShiftQuality out;
-  const auto total = kernels::sum_abs_and_squares(plane.values.data(), plane.values.size());
-  const Background background = background_of(plane, peak_window(plane, peak));
+  const double plane_top = std::isnan(peak.value) ? peak.lag_value : peak.value;
+  out.zncc = zncc.value_or(std::min(1.0, plane_top));
+  out.zncc_sigmas = out.zncc / std::sqrt(std::numbers::pi * width_px2(peak.shape) / overlap_px);
   const double top = peak.lag_value;
-  const double mean_abs = total.sum_abs / static_cast<double>(plane.values.size());
-  if (mean_abs > 0.0) out.q = top / mean_abs;
-  if (background.lags > 0 && background.sum_squares > 0.0) {
+  if (!(top > 0.0)) return out;  // nothing correlates: ratios to it mean nothing
+
+  const auto total = kernels::sum_abs_and_squares(plane.values.data(), plane.values.size());
+  out.q = top * static_cast<double>(plane.values.size()) / total.sum_abs;
+  const Background background = background_of(plane, peak_window(plane, peak));
+  if (background.sum_squares > 0.0) {
     out.peak_to_rms =
         top / std::sqrt(background.sum_squares / static_cast<double>(background.lags));
     // Nothing positive outside the peak: as unambiguous as the numbers can say.
     out.peak_ratio =
         background.highest > 0.0 ? std::max(1.0, top / background.highest) : out.peak_to_rms;
   }
-  out.zncc = std::min(1.0, std::isnan(peak.value) ? peak.lag_value : peak.value);
   return out;
 }
 
 ShiftCovariance shift_covariance(const Peak& peak, double zncc, const FrameStats& earlier,
                                  const FrameStats& later, double overlap_px,
-                                 const NoiseModel& noise) {
-  constexpr double kSpeckleFactor = 1.9;
+                                 const ErrorModel& model) {
+  constexpr double kSpeckleFactor = 1.6;
   constexpr double kQuantisationVariance_counts2 = 1.0 / 12.0;
   const double noise_variance =
-      noise.noise_sd_counts * noise.noise_sd_counts + kQuantisationVariance_counts2;
+      model.noise_sd_counts * model.noise_sd_counts + kQuantisationVariance_counts2;
   const double pixel_variance = earlier.sd_counts * later.sd_counts;
   const double signal_variance = std::max(pixel_variance - noise_variance, 0.05 * pixel_variance);
   const double pattern_zncc =
       std::clamp(zncc * pixel_variance / signal_variance, 1e-3, 1.0);  // noise taken out
 
   const PeakShape& w = peak.shape;
-  const double det = std::max(0.0, w.xx_px2 * w.yy_px2 - w.xy_px2 * w.xy_px2);
   const double r2 = pattern_zncc * pattern_zncc;
-  const double decorrelation =
-      kSpeckleFactor * kSpeckleFactor * ((1.0 - r2) / r2 + model_error(noise.fit));
+  const double decorrelation = kSpeckleFactor * kSpeckleFactor * (1.0 - r2) / r2;
   const double per_w_px2 = (2.0 * noise_variance / signal_variance +
-                            std::numbers::pi / 2.0 * decorrelation * std::sqrt(det)) /
+                            std::numbers::pi / 2.0 * decorrelation * width_px2(w)) /
                            overlap_px;
-  return {.xx_px2 = per_w_px2 * w.xx_px2,
-          .xy_px2 = per_w_px2 * w.xy_px2,
-          .yy_px2 = per_w_px2 * w.yy_px2};
+  constexpr double kReferenceFrame_px = 128.0 * 128.0;
+  const double fit_px2 = std::pow(fit_error_px(model.fit), 2) * kReferenceFrame_px / overlap_px;
+  const auto variance = [&](double axis_px2) {
+    return per_w_px2 * axis_px2 + fit_px2 + std::pow(undersampling_error_px(axis_px2), 2) +
+           std::pow(engine_error_px(model.engine, axis_px2, std::sqrt(overlap_px)), 2);
+  };
+  return {
+      .xx_px2 = variance(w.xx_px2), .xy_px2 = per_w_px2 * w.xy_px2, .yy_px2 = variance(w.yy_px2)};
 }
 
 }  // namespace lsv

@@ -26,6 +26,7 @@ ShiftStatus judge_shift(const Shift& shift, const GateConfig& gate) {
   if (shift.status != ShiftStatus::ok) return shift.status;
   // Written so that NaN fails.
   if (!(shift.quality.zncc >= gate.min_zncc)) return ShiftStatus::below_zncc_gate;
+  if (!(shift.quality.zncc_sigmas >= gate.min_zncc_sigmas)) return ShiftStatus::below_zncc_gate;
   if (!(shift.quality.peak_ratio >= gate.min_peak_ratio)) return ShiftStatus::ambiguous;
   if (!(shift.quality.q >= gate.min_q)) return ShiftStatus::below_q_gate;
   return ShiftStatus::ok;

@@ -50,10 +50,10 @@ Shift Odometer::measure() {
   }
   if (is_frozen(earlier_.frame, later_.frame, config_.gate, config_.calibration))
     return with_status({}, ShiftStatus::frozen);
-  const NoiseModel noise{.noise_sd_counts = config_.calibration.noise_sd_counts,
-                         .fit = config_.correlation.peak_fit};
-  const Shift shift = measure_shift(*correlator_, config_.correlation.engine, noise, earlier_.frame,
-                                    later_.frame, plane_);
+  const ErrorModel model{.noise_sd_counts = config_.calibration.noise_sd_counts,
+                         .fit = config_.correlation.peak_fit,
+                         .engine = config_.correlation.engine};
+  const Shift shift = measure_shift(*correlator_, model, earlier_.frame, later_.frame, plane_);
   return with_status(shift, judge_shift(shift, config_.gate));
 }
 

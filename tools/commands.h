@@ -24,5 +24,6 @@ int report_error(const Error& error);
 /// the parse.
 void add_info_command(CLI::App& app, int& exit_code);
 void add_simulate_command(CLI::App& app, int& exit_code);
+void add_track_command(CLI::App& app, int& exit_code);
 
 }  // namespace lsv::cli

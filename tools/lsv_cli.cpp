@@ -29,6 +29,9 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "lsv " LSV_VERSION);
   app.require_subcommand(1);
   int exit_code = kExitOk;
+  add_track_command(app, exit_code);
+  add_info_command(app, exit_code);
+  add_simulate_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

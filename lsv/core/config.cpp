@@ -14,7 +14,8 @@ constexpr std::array kEngines = {std::pair{Engine::zncc, std::string_view("zncc"
                                  std::pair{Engine::phase, std::string_view("phase")},
                                  std::pair{Engine::direct, std::string_view("direct")}};
 
-constexpr std::array kPeakFits = {std::pair{PeakFit::gaussian2d, std::string_view("gaussian2d")},
+constexpr std::array kPeakFits = {std::pair{PeakFit::sinc, std::string_view("sinc")},
+                                  std::pair{PeakFit::gaussian2d, std::string_view("gaussian2d")},
                                   std::pair{PeakFit::gaussian3, std::string_view("gaussian3")},
                                   std::pair{PeakFit::parabola3, std::string_view("parabola3")}};
 
@@ -61,6 +62,8 @@ Result<void> validate(const TrackConfig& config) {
     return out_of_range("max_shift_px", *correlation.max_shift_px, "at least 2");
   if (!within(gate.min_zncc, -1.0, 1.0))
     return out_of_range("min_zncc", gate.min_zncc, "in [-1, 1]");
+  if (!not_negative(gate.min_zncc_sigmas))
+    return out_of_range("min_zncc_sigmas", gate.min_zncc_sigmas, "zero or more");
   if (!not_negative(gate.min_q)) return out_of_range("min_q", gate.min_q, "zero or more");
   if (!not_negative(gate.min_peak_ratio))
     return out_of_range("min_peak_ratio", gate.min_peak_ratio, "zero or more");

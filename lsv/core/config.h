@@ -20,9 +20,10 @@ enum class Engine {
   direct,  // ZNCC summed lag by lag: O(N^2 M^2), the slow reference
 };
 
-/// Sub-pixel model fitted to the 3 x 3 lags around the peak.
+/// Sub-pixel model of the correlation peak.
 enum class PeakFit {
-  gaussian2d,  // least-squares 2-D Gaussian with cross term (default)
+  sinc,        // band-limited interpolation of the plane around the peak (default)
+  gaussian2d,  // least-squares 2-D Gaussian with cross term over 3 x 3 lags
   gaussian3,   // separable 3-point Gaussian
   parabola3,   // separable 3-point parabola
 };
@@ -34,7 +35,7 @@ std::string_view word(PeakFit fit);
 
 struct CorrelationConfig {
   Engine engine = Engine::zncc;
-  PeakFit peak_fit = PeakFit::gaussian2d;
+  PeakFit peak_fit = PeakFit::sinc;
   /// Lags searched along each axis: -max_shift_px .. +max_shift_px, px, >= 2. Unset: 32 (the
   /// range of the source) or half the side of the frame, whichever is less.
   std::optional<int> max_shift_px;
@@ -42,13 +43,14 @@ struct CorrelationConfig {
 
 /// When a shift is refused. Ratios are dimensionless; counts are camera grey values.
 struct GateConfig {
-  double min_zncc = 0.25;                // [-1, 1]
-  double min_q = 6.0;                    // depends on window and speckle size: tune per data set
-  double min_peak_ratio = 1.3;           // >= 1
-  double min_signal_fraction = 0.008;    // mean above camera offset, of full scale, [0, 1]
-  double max_saturated_fraction = 0.20;  // of the pixels, [0, 1]
-  double min_contrast_to_noise = 3.0;    // pixel spread / camera noise sd, >= 0
-  bool refuse_frozen = true;             // ignored when the camera noise sd is 0
+  double min_zncc = 0.2;                // [-1, 1]
+  double min_zncc_sigmas = 6.0;         // against chance; follows window, overlap and speckle size
+  double min_q = 4.0;                   // depends on window and speckle size: tune per data set
+  double min_peak_ratio = 1.2;          // >= 1
+  double min_signal_fraction = 0.008;   // mean above camera offset, of full scale, [0, 1]
+  double max_saturated_fraction = 0.5;  // of the pixels, [0, 1]
+  double min_contrast_to_noise = 3.0;   // pixel spread / camera noise sd, >= 0
+  bool refuse_frozen = true;            // ignored when the camera noise sd is 0
 };
 
 /// From pixel shift to metres on the ground: surface travel = shift * pitch / Sc (eqs 3.8, 3.9 of

@@ -29,7 +29,7 @@ enum class ShiftStatus {
   peak_at_border,   // correlation still rises at the edge of the search range
   flat_peak,        // the neighbourhood of the peak has no shape that the fit accepts
   ambiguous,        // a second peak is nearly as high
-  below_zncc_gate,  // peak ZNCC under GateConfig::min_zncc
+  below_zncc_gate,  // peak ZNCC under GateConfig::min_zncc or min_zncc_sigmas
   below_q_gate,     // Q under GateConfig::min_q
 };
 
@@ -57,6 +57,7 @@ struct ShiftQuality {
   double q = kUnknown;            // peak / mean |plane| over all lags searched, >= 1
   double peak_ratio = kUnknown;   // highest / second highest peak of the plane, >= 1
   double peak_to_rms = kUnknown;  // peak / rms of the plane outside the peak
+  double zncc_sigmas = kUnknown;  // zncc / its standard deviation between unrelated patterns
 };
 
 /// Symmetric 2 x 2 covariance in px^2.

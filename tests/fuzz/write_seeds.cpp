@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// fuzz_seeds FOLDER: writes a corpus for each fuzz target into FOLDER/<target>/.
+#include <cstdio>
+
+#include "tests/support/hostile_files.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using lsv::test::Bytes;
+
+/// The first byte of a case of fuzz_image_decode.
+std::uint8_t selector(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".png") return 0;
+  if (extension == ".tif" || extension == ".tiff") return 1;
+  if (extension == ".pgm") return 2;
+  if (extension == ".bmp") return 3;
+  return 4;
+}
+
+void write_image(const fs::path& folder, const std::string& name, const Bytes& file) {
+  Bytes bytes = {selector(name)};
+  bytes.insert(bytes.end(), file.begin(), file.end());
+  lsv::test::write_bytes(folder / "image_decode" / name, bytes);
+  if (selector(name) == 1) lsv::test::write_bytes(folder / "tiff_stack" / name, file);
+}
+
+void write_images(const fs::path& folder, const fs::path& scratch) {
+  for (const auto& seed : lsv::test::image_seeds(scratch))
+    write_image(folder, seed.name, seed.bytes);
+  const auto page = lsv::test::random_image(9, 5, 1);
+  lsv::test::write_tiff(scratch / "stack.tif", {page, page, page});
+  write_image(folder, "stack.tif", lsv::test::read_bytes(scratch / "stack.tif"));
+}
+
+void write_hostile(const fs::path& folder, const fs::path& scratch) {
+  constexpr std::uintmax_t kLargest_bytes = 100'000;
+  for (const auto& file : lsv::test::write_hostile_set(scratch)) {
+    if (fs::file_size(file.path) > kLargest_bytes) continue;
+    const Bytes bytes = lsv::test::read_bytes(file.path);
+    if (file.role == lsv::test::HostileRole::frames)
+      write_image(folder, file.path.filename().string(), bytes);
+    if (file.role == lsv::test::HostileRole::timestamps)
+      lsv::test::write_bytes(folder / "timestamps" / file.path.filename(), bytes);
+  }
+}
+
+void write_texts(const fs::path& folder) {
+  const auto add = [&](const char* target, const char* name, const char* text) {
+    lsv::test::write_bytes(folder / target / name, lsv::test::bytes_of(text));
+  };
+  add("timestamps", "seconds", "time_s\n0\n0.1\n1.5e0\n");
+  add("timestamps", "frames", "frame,time_ns\n0,100\n3,200\n");
+  add("timestamps", "number", "1700000000.123456789");
+  add("option_text", "raw", "640x480:mono12:1024");
+  add("option_text", "roi", "0,0,256,256");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fputs("usage: fuzz_seeds FOLDER\n", stderr);
+    return 2;
+  }
+  const fs::path folder = argv[1];
+  for (const char* target : {"image_decode", "tiff_stack", "timestamps", "option_text"})
+    fs::create_directories(folder / target);
+  const fs::path scratch = lsv::test::fresh_folder(folder, "scratch");
+  write_images(folder, scratch);
+  write_hostile(folder, scratch);
+  write_texts(folder);
+  fs::remove_all(scratch);
+  return 0;
+}

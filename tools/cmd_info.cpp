@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// lsv info: what the frames are, before they are measured.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "lsv/frame_source.h"
+#include "tools/commands.h"
+#include "tools/source_flags.h"
+
+namespace lsv::cli {
+namespace {
+
+struct Levels {
+  double mean_counts = 0.0;
+  double sd_counts = 0.0;
+  int min_counts = 0;
+  int max_counts = 0;
+  double saturated_share = 0.0;  // of the pixels, at full scale
+
+  /// Speckle contrast; unknown for a black frame.
+  double contrast_ratio() const {
+    return mean_counts > 0.0 ? sd_counts / mean_counts : std::numeric_limits<double>::quiet_NaN();
+  }
+};
+
+Levels levels_of(const FrameView& frame) {
+  const int full_scale = full_scale_counts(frame.format.bit_depth);
+  Levels levels{.min_counts = full_scale};
+  double sum = 0.0;
+  double sum_of_squares = 0.0;  // below 2^53 for every size that is let in
+  std::int64_t saturated = 0;
+  for (int y = 0; y < frame.height_px(); ++y) {
+    for (int x = 0; x < frame.width_px(); ++x) {
+      const int counts = frame.at(x, y);
+      levels.min_counts = std::min(levels.min_counts, counts);
+      levels.max_counts = std::max(levels.max_counts, counts);
+      saturated += counts >= full_scale ? 1 : 0;
+      sum += counts;
+      sum_of_squares += static_cast<double>(counts) * counts;
+    }
+  }
+  const double pixels = static_cast<double>(frame.width_px()) * frame.height_px();
+  levels.mean_counts = sum / pixels;
+  levels.sd_counts =
+      std::sqrt(std::max(0.0, sum_of_squares / pixels - levels.mean_counts * levels.mean_counts));
+  levels.saturated_share = static_cast<double>(saturated) / pixels;
+  return levels;
+}
+
+std::string seconds_text(Stamp stamp) {
+  const char* sign = stamp.ns < 0 ? "-" : "";
+  const std::int64_t ns = std::abs(stamp.ns);
+  char text[40];
+  std::snprintf(text, sizeof text, "%s%lld.%09lld", sign, static_cast<long long>(ns / kNsPerS),
+                static_cast<long long>(ns % kNsPerS));
+  return text;
+}
+
+void print_text(const SourceInfo& info, const Levels& levels) {
+  const auto line = [](const char* name, const std::string& value) {
+    std::printf("%-16s%s\n", name, value.c_str());
+  };
+  const auto number = [](double value, const char* format) {
+    char text[64];
+    std::snprintf(text, sizeof text, format, value);
+    return std::string(text);
+  };
+  line("input", info.description);
+  line("frame size", std::to_string(info.format.width_px) + " x " +
+                         std::to_string(info.format.height_px) + " px");
+  line("bit depth", std::to_string(info.format.bit_depth) + " bit");
+  line("frames", info.frame_count ? std::to_string(*info.frame_count)
+                                  : "not known before the end of the input");
+  line("missing frames", std::to_string(info.missing_count));
+  line("first stamp", info.first_stamp ? seconds_text(*info.first_stamp) + " s"
+                                       : "not known: give --rate-hz or --timestamps");
+  if (info.last_stamp) line("last stamp", seconds_text(*info.last_stamp) + " s");
+  std::printf("\nfirst frame\n");
+  line("mean level", number(levels.mean_counts, "%.2f counts"));
+  line("darkest pixel", std::to_string(levels.min_counts) + " counts");
+  line("brightest pixel", std::to_string(levels.max_counts) + " counts");
+  line("saturated", number(100.0 * levels.saturated_share, "%.3f %% of the pixels"));
+  line("contrast", std::isnan(levels.contrast_ratio())
+                       ? "not defined: the frame is black"
+                       : number(levels.contrast_ratio(), "%.3f (standard deviation / mean)"));
+  for (const std::string& warning : info.warnings) std::printf("\nwarning: %s\n", warning.c_str());
+}
+
+template <typename Value>
+nlohmann::ordered_json or_null(const std::optional<Value>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json stamp_or_null(const std::optional<Stamp>& stamp) {
+  return stamp ? nlohmann::ordered_json(stamp->ns) : nlohmann::ordered_json(nullptr);
+}
+
+void print_json(const SourceInfo& info, const Levels& levels) {
+  const double contrast = levels.contrast_ratio();
+  const nlohmann::ordered_json json = {
+      {"schema", "lsv.info/1"},
+      {"input", info.description},
+      {"width_px", info.format.width_px},
+      {"height_px", info.format.height_px},
+      {"bit_depth", info.format.bit_depth},
+      {"frames", or_null(info.frame_count)},
+      {"missing_frames", info.missing_count},
+      {"first_stamp_ns", stamp_or_null(info.first_stamp)},
+      {"last_stamp_ns", stamp_or_null(info.last_stamp)},
+      {"first_frame",
+       {{"mean_counts", levels.mean_counts},
+        {"min_counts", levels.min_counts},
+        {"max_counts", levels.max_counts},
+        {"saturated_share", levels.saturated_share},
+        {"contrast_ratio", std::isnan(contrast) ? nlohmann::ordered_json(nullptr)
+                                                : nlohmann::ordered_json(contrast)}}},
+      {"warnings", info.warnings}};
+  // File names in warnings may hold bytes that are not UTF-8.
+  std::puts(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+int run_info(const SourceFlags& flags, bool json) {
+  auto options = source_options(flags);
+  if (!options) return report_error(options.error());
+  options.value().need_time = false;
+  auto source = open_frames(flags.frames, options.value());
+  if (!source) return report_error(source.error());
+  Frame frame;
+  const auto read = source.value()->next(frame);
+  if (!read) return report_error(read.error());
+  const Levels levels = levels_of(frame.view());
+  if (json) {
+    print_json(source.value()->info(), levels);
+  } else {
+    print_text(source.value()->info(), levels);
+  }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return report_error({ErrorCode::output_failed, "standard output could not be written"});
+  return kExitOk;
+}
+
+struct InfoFlags {
+  SourceFlags source;
+  bool json = false;
+};
+
+}  // namespace
+
+void add_info_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("info", "Say what the frames are and check the first one");
+  const auto flags = std::make_shared<InfoFlags>();
+  add_source_flags(*command, flags->source);
+  command->add_flag("--json", flags->json, "Print one JSON object");
+  command->footer("Example:\n  lsv info frames/ --rate-hz 100");
+  command->callback([flags, &exit_code] { exit_code = run_info(flags->source, flags->json); });
+}
+
+}  // namespace lsv::cli

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// lsv track: frames in, calibrated track out.
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "calibration/calibration_io.h"
+#include "lsv/odometer.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+#include "tools/progress.h"
+#include "tools/settings.h"
+#include "tools/track_outputs.h"
+#include "tools/track_settings.h"
+
+namespace lsv::cli {
+namespace {
+
+struct TrackCommand {
+  std::vector<std::string> frames;
+  std::string config_path;
+  bool print_config = false;
+  bool quiet = false;
+  OutputPaths outputs;
+  TrackSettings track;
+  Settings settings;
+};
+
+Result<void> load_calibration_into(TrackSettings& track) {
+  if (track.calibration_path.empty()) {
+    return Error{ErrorCode::invalid_argument,
+                 "a calibration is needed to turn pixels into metres: give --calibration FILE "
+                 "(sample_frames/calibration.toml is an example)"};
+  }
+  Result<Calibration> calibration = load_calibration(track.calibration_path);
+  if (!calibration) return calibration.error();
+  track.config.calibration = std::move(calibration).value();
+  return {};
+}
+
+std::string time_base(const SourceOptions& source) {
+  if (!source.rate_hz) return source.timestamps_path;
+  char text[40];
+  std::snprintf(text, sizeof text, "%.10g Hz", *source.rate_hz);
+  return text;
+}
+
+RunInfo run_info(const TrackSettings& track, const SourceInfo& source, const LagRange& lags) {
+  RunInfo info;
+  info.version = LSV_VERSION;
+  info.source_description = source.description;
+  info.format = source.format;
+  info.time_base = time_base(track.source);
+  info.config = track.config;
+  info.max_shift = lags;
+  info.index_step = track.source.step;
+  return info;
+}
+
+/// Every frame of `source` through `odometer` to `outputs`, until the end or an interrupt.
+Result<void> track_frames(FrameSource& source, Odometer& odometer, TrackOutputs& outputs,
+                          Progress& progress) {
+  Frame frame;
+  while (!interrupted()) {
+    const Result<bool> more = source.next(frame);
+    if (!more) return more.error();
+    if (!more.value()) break;
+    const Result<StepReport> report = odometer.push(frame.view());
+    if (!report) return report.error();
+    if (Result<void> written = outputs.write(report.value(), frame.view(), odometer); !written)
+      return written;
+    const ShiftStatus status = report.value().shift.status;
+    progress.frame_done(status != ShiftStatus::ok && status != ShiftStatus::first_frame);
+  }
+  return {};
+}
+
+int exit_code_of(const Summary& summary, double max_rejected_share) {
+  if (summary.interrupted) return kExitInterrupted;
+  if (summary.shifts_ok > 0 && summary.rejected_share <= max_rejected_share) return kExitOk;
+  std::fprintf(
+      stderr, "lsv: %lld of %lld shifts were refused, more than --max-rejected %g allows\n",
+      static_cast<long long>(summary.shifts_rejected),
+      static_cast<long long>(summary.shifts_rejected + summary.shifts_ok), max_rejected_share);
+  return kExitLowQuality;
+}
+
+Result<int> track(TrackCommand& command) {
+  if (command.frames.empty()) {
+    return Error{ErrorCode::invalid_argument,
+                 "no frames: name a folder, files, a TIFF stack or '-'; see lsv track --help"};
+  }
+  TrackSettings& settings = command.track;
+  if (Result<void> loaded = load_calibration_into(settings); !loaded) return loaded.error();
+  Result<std::unique_ptr<FrameSource>> source = open_frames(command.frames, settings.source);
+  if (!source) return source.error();
+  const SourceInfo& info = source.value()->info();
+  for (const std::string& warning : info.warnings)
+    std::fprintf(stderr, "lsv: warning: %s\n", warning.c_str());
+  Result<Odometer> odometer = Odometer::create(settings.config, info.format);
+  if (!odometer) return odometer.error();
+  Result<TrackOutputs> outputs =
+      TrackOutputs::open(command.outputs, run_info(settings, info, odometer.value().lags()),
+                         command.settings.to_toml());
+  if (!outputs) return outputs.error();
+
+  catch_interrupts();
+  {
+    Progress progress(info.frame_count, command.quiet);
+    if (Result<void> tracked =
+            track_frames(*source.value(), odometer.value(), outputs.value(), progress);
+        !tracked)
+      return tracked.error();
+  }
+  if (!interrupted() && outputs.value().summary().frames < 2)
+    return Error{ErrorCode::bad_input, "a track needs at least two frames; there is only one"};
+  if (Result<void> finished = outputs.value().finish({.interrupted = interrupted()}); !finished)
+    return finished.error();
+  const Summary summary = outputs.value().summary();
+  if (!command.quiet) std::fputs(summary_text(summary).c_str(), stderr);
+  return exit_code_of(summary, settings.max_rejected_share);
+}
+
+int run(TrackCommand& command) {
+  if (Result<void> resolved = command.settings.resolve(command.config_path); !resolved)
+    return report_error(resolved.error());
+  if (command.print_config) {
+    std::fputs(command.settings.to_toml().c_str(), stdout);
+    return std::fflush(stdout) == 0 ? kExitOk : kExitOutputFailed;
+  }
+  const Result<int> tracked = track(command);
+  return tracked ? tracked.value() : report_error(tracked.error());
+}
+
+}  // namespace
+
+void add_track_command(CLI::App& app, int& exit_code) {
+  auto command = std::make_shared<TrackCommand>();
+  CLI::App* const sub =
+      app.add_subcommand("track", "Track the speckle pattern through frames: velocity, position");
+  sub->add_option("FRAMES", command->frames,
+                  "A folder, image files, a quoted pattern, a TIFF stack, a raw file, a video, or "
+                  "- for raw frames on standard input");
+  add_output_options(*sub, command->outputs);
+  sub->add_option("--config", command->config_path, "Settings from a TOML file");
+  sub->add_flag("--print-config", command->print_config,
+                "Print every setting with its source and stop");
+  sub->add_flag("-q,--quiet", command->quiet, "No progress and no summary on stderr");
+  add_track_settings(*sub, command->settings, command->track);
+  sub->footer(
+      "Example:\n"
+      "  lsv track sample_frames/drive.tif --rate-hz 1000 \\\n"
+      "      --calibration sample_frames/calibration.toml -o out\n"
+      "Exit codes: 0 ok, 1 output not written, 2 usage, 3 input, 4 too many shifts refused, "
+      "130 interrupted.");
+  sub->callback([command, &exit_code] { exit_code = run(*command); });
+}
+
+}  // namespace lsv::cli

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The outputs that one `lsv track` writes: which were asked for, and handing every report to all
+// of them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lsv/odometer.h"
+#include "lsv/report.h"
+#include "lsv/summary.h"
+#include "lsv/track_sink.h"
+
+namespace lsv::cli {
+
+struct OutputPaths {
+  std::string directory;  // -o: standard names inside it
+  std::string csv;
+  std::string tum;
+  std::string jsonl;
+  std::string report;
+  std::string summary;
+  std::optional<std::int64_t> report_frame;  // later frame of the pair shown in the report
+};
+
+void add_output_options(CLI::App& command, OutputPaths& paths);
+
+class TrackOutputs {
+ public:
+  /// `config_toml`: the resolved settings, written beside the results of -o.
+  static Result<TrackOutputs> open(OutputPaths paths, const RunInfo& info,
+                                   const std::string& config_toml);
+
+  /// `odometer` has just made `report` from `frame`.
+  Result<void> write(const StepReport& report, const FrameView& frame, const Odometer& odometer);
+  Result<void> finish(const RunEnd& end);
+
+  Summary summary() const { return summary_->summary(); }
+
+ private:
+  Result<void> keep_pair(const StepReport& report, const FrameView& frame,
+                         const Odometer& odometer);
+
+  std::vector<std::unique_ptr<TrackSink>> sinks_;
+  SummaryBuilder* summary_ = nullptr;  // one of sinks_
+  ReportBuilder* report_ = nullptr;    // one of sinks_, or null
+  std::optional<OutputFile> config_;
+  std::string config_toml_;
+  std::optional<std::int64_t> report_frame_;
+  std::string engine_;
+  bool pair_kept_ = false;
+};
+
+}  // namespace lsv::cli
