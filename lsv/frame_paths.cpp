@@ -68,6 +68,12 @@ Result<void> check_image_list(const std::vector<std::string>& files) {
   const std::string& first = files.front();
   for (const std::string& file : files) {
     const auto kind = image_kind_of(file);
+    if (!kind && files.size() == 1) {
+      return Error{ErrorCode::invalid_argument,
+                   file +
+                       ": the extension is not one that lsv reads; raw frames need --raw, for "
+                       "example --raw 640x480:mono8"};
+    }
     if (!kind) {
       return Error{ErrorCode::invalid_argument,
                    file +

@@ -44,6 +44,7 @@ std::vector<Setting> run_settings(const RunInfo& info) {
       {"max_shift_x_px", whole(info.max_shift.max_dx_px)},
       {"max_shift_y_px", whole(info.max_shift.max_dy_px)},
       {"min_zncc", gate.min_zncc},
+      {"min_zncc_sigmas", gate.min_zncc_sigmas},
       {"min_q", gate.min_q},
       {"min_peak_ratio", gate.min_peak_ratio},
       {"min_signal_fraction", gate.min_signal_fraction},

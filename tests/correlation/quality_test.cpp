@@ -71,40 +71,49 @@ TEST(MeasureQuality, ZeroPlaneIsUnknownNotInfinite) {
 
 FrameStats bright() { return {.mean_counts = 60.0, .sd_counts = 45.0, .saturated_fraction = 0.0}; }
 
+/// Wide enough (6 px speckle) that the terms of the peak model are small.
+Peak wide_peak() {
+  Peak peak = peak_at(0, 0, 0.9);
+  peak.shape = {.xx_px2 = 8.0, .xy_px2 = 1.0, .yy_px2 = 4.0};
+  return peak;
+}
+
+double variance_x_px2(double zncc, const FrameStats& stats, double pixels, double noise_sd) {
+  return shift_covariance(wide_peak(), zncc, stats, stats, pixels, {.noise_sd_counts = noise_sd})
+      .xx_px2;
+}
+
 TEST(ShiftCovariance, FollowsTheShapeOfThePeak) {
-  Peak peak = peak_at(0, 0, 0.99);
-  peak.shape = {.xx_px2 = 4.0, .xy_px2 = 0.5, .yy_px2 = 1.0};
-  const ShiftCovariance cov = shift_covariance(peak, 0.99, bright(), bright(), 16384.0, {});
-  EXPECT_GT(cov.xx_px2, 2.0 * cov.yy_px2);
-  EXPECT_GT(cov.xy_px2, 0.0);
-  EXPECT_GT(cov.xx_px2 * cov.yy_px2, cov.xy_px2 * cov.xy_px2);
-  EXPECT_GT(cov.yy_px2, 0.0);
+  const ShiftCovariance cov = shift_covariance(wide_peak(), 0.9, bright(), bright(), 16384.0, {});
+  EXPECT_NEAR(cov.xx_px2 / cov.yy_px2, 2.0, 0.05);
+  EXPECT_NEAR(cov.xy_px2 / cov.xx_px2, 0.125, 0.01);
 }
 
 TEST(ShiftCovariance, GrowsWithDecorrelationAndNoiseAndShrinksWithPixels) {
-  const Peak peak = peak_at(0, 0, 0.9);
-  const auto variance = [&](double zncc, double pixels, double noise_sd) {
-    return shift_covariance(peak, zncc, bright(), bright(), pixels,
-                            {.noise_sd_counts = noise_sd, .fit = PeakFit::gaussian2d})
-        .xx_px2;
-  };
-  EXPECT_GT(variance(0.8, 16384, 0.5), variance(0.9, 16384, 0.5));
-  EXPECT_NEAR(variance(0.9, 4096, 0.5) / variance(0.9, 16384, 0.5), 4.0, 0.2);
-  EXPECT_GT(variance(1.0, 16384, 5.0), variance(1.0, 16384, 0.5));
+  EXPECT_GT(variance_x_px2(0.8, bright(), 16384, 0.5), variance_x_px2(0.9, bright(), 16384, 0.5));
+  EXPECT_NEAR(variance_x_px2(0.9, bright(), 4096, 0.5) / variance_x_px2(0.9, bright(), 16384, 0.5),
+              4.0, 0.01);
+  EXPECT_GT(variance_x_px2(1.0, bright(), 16384, 5.0), variance_x_px2(1.0, bright(), 16384, 0.5));
 }
 
 // Low correlation that camera noise explains is not charged as decorrelation.
 TEST(ShiftCovariance, DoesNotChargeCameraNoiseTwice) {
   const FrameStats dim{.mean_counts = 12.0, .sd_counts = 8.0, .saturated_fraction = 0.0};
-  const Peak peak = peak_at(0, 0, 0.94);
   const double zncc = (64.0 - 4.0) / 64.0;
-  const double informed = shift_covariance(peak, zncc, dim, dim, 16384.0,
-                                           {.noise_sd_counts = 2.0, .fit = PeakFit::gaussian2d})
-                              .xx_px2;
-  const double ignorant = shift_covariance(peak, zncc, dim, dim, 16384.0,
-                                           {.noise_sd_counts = 0.0, .fit = PeakFit::gaussian2d})
-                              .xx_px2;
-  EXPECT_LT(informed, 0.5 * ignorant);
+  EXPECT_LT(variance_x_px2(zncc, dim, 16384, 2.0), 0.5 * variance_x_px2(zncc, dim, 16384, 0.0));
+}
+
+// An engine with a bias, or a coarser fit, owns up to it.
+TEST(ShiftCovariance, NamesTheErrorOfEngineAndFit) {
+  const auto variance = [](PeakFit fit, Engine engine) {
+    return shift_covariance(wide_peak(), 1.0, bright(), bright(), 16384.0,
+                            {.fit = fit, .engine = engine})
+        .xx_px2;
+  };
+  EXPECT_GT(variance(PeakFit::gaussian2d, Engine::zncc), variance(PeakFit::sinc, Engine::zncc));
+  EXPECT_GT(variance(PeakFit::sinc, Engine::cross), variance(PeakFit::sinc, Engine::zncc));
+  EXPECT_GT(variance(PeakFit::sinc, Engine::phase), variance(PeakFit::sinc, Engine::zncc));
+  EXPECT_EQ(variance(PeakFit::sinc, Engine::direct), variance(PeakFit::sinc, Engine::zncc));
 }
 
 }  // namespace

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The hot path allocates nothing after construction: counted by replacing malloc's entry points
+// for the whole program.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+#include <new>
+
+#include "lsv/odometer.h"
+#include "sim/speckle.h"
+#include "tests/support/calibration.h"
+
+namespace {
+std::atomic<bool> g_counting{false};
+std::atomic<long> g_allocations{0};
+
+void count() {
+  if (g_counting.load(std::memory_order_relaxed)) g_allocations.fetch_add(1);
+}
+}  // namespace
+
+// glibc's own names for the real functions.
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+
+void* malloc(std::size_t size) {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t n, std::size_t size) {
+  count();
+  return __libc_calloc(n, size);
+}
+void* realloc(void* p, std::size_t size) {
+  count();
+  return __libc_realloc(p, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
+  count();
+  *out = __libc_memalign(alignment, size);
+  return *out == nullptr ? ENOMEM : 0;
+}
+}
+
+namespace lsv {
+namespace {
+
+TEST(AllocationCounter, SeesAnAllocation) {
+  g_allocations = 0;
+  g_counting = true;
+  int* const volatile p = new int(3);
+  g_counting = false;
+  delete p;
+  EXPECT_EQ(g_allocations, 1);
+}
+
+class AllocationIn : public testing::TestWithParam<Engine> {};
+
+TEST_P(AllocationIn, PushAllocatesNothing) {
+  TrackConfig config = test::bridget_config();
+  config.correlation.engine = GetParam();
+  for (const int bit_depth : {8, 12}) {
+    const sim::SpeckleConfig camera_config{.width_px = 72, .height_px = 64, .bit_depth = bit_depth};
+    sim::SpeckleCamera camera = sim::SpeckleCamera::create(camera_config).value();
+    const FrameFormat format = sim::frame_format(camera_config);
+    Odometer odometer = Odometer::create(config, format).value();
+    std::vector<Frame> frames(6);
+    for (int i = 0; i < 6; ++i) {
+      Frame& frame = frames[static_cast<std::size_t>(i)];
+      ASSERT_TRUE(camera.render(i, {.x_px = 2.3 * i}, frame));
+    }
+    // A refused frame takes its own path.
+    for (int y = 0; y < format.height_px; ++y) {
+      if (bit_depth == 8)
+        std::fill_n(frames[3].row8(y), format.width_px, std::uint8_t{0});
+      else
+        std::fill_n(frames[3].row16(y), format.width_px, std::uint16_t{0});
+    }
+    g_allocations = 0;
+    int reports = 0;
+    for (const Frame& frame : frames) {
+      g_counting = true;
+      const Result<StepReport> report = odometer.push(frame.view());
+      g_counting = false;
+      reports += report.ok() ? 1 : 0;
+    }
+    EXPECT_EQ(reports, 6);
+    EXPECT_EQ(g_allocations, 0) << word(GetParam()) << ", " << bit_depth << " bit";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryEngine, AllocationIn,
+                         testing::Values(Engine::zncc, Engine::cross, Engine::phase,
+                                         Engine::direct),
+                         [](const auto& engine) { return std::string(word(engine.param)); });
+
+}  // namespace
+}  // namespace lsv

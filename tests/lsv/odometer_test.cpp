@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pipeline as its users meet it: frames of known motion in, reports out.
+#include "lsv/odometer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "sim/speckle.h"
+#include "tests/support/calibration.h"
+
+namespace lsv {
+namespace {
+
+constexpr std::int64_t kPeriod_ns = 1'000'000;
+
+Frame simulated(sim::SpeckleCamera& camera, std::int64_t index, double x_px, double y_px) {
+  Frame out;
+  EXPECT_TRUE(camera.render(index, {.x_px = x_px, .y_px = y_px}, out));
+  out.stamp = {index * kPeriod_ns};
+  return out;
+}
+
+Frame constant(const FrameFormat& format, std::int64_t index, std::uint8_t counts) {
+  Frame out(format);
+  for (int y = 0; y < format.height_px; ++y) std::fill_n(out.row8(y), format.width_px, counts);
+  out.index = index;
+  out.stamp = {index * kPeriod_ns};
+  return out;
+}
+
+class OdometerTest : public testing::Test {
+ protected:
+  OdometerTest()
+      : camera_(sim::SpeckleCamera::create({.width_px = 96, .height_px = 80, .seed = 4}).value()),
+        format_(sim::frame_format(camera_.config())),
+        odometer_(Odometer::create(test::bridget_config(), format_).value()) {}
+
+  StepReport push(const Frame& frame) {
+    const Result<StepReport> report = odometer_.push(frame.view());
+    EXPECT_TRUE(report) << report.error().message;
+    return report.value();
+  }
+  StepReport push_at(std::int64_t index, double x_px, double y_px) {
+    return push(simulated(camera_, index, x_px, y_px));
+  }
+
+  sim::SpeckleCamera camera_;
+  FrameFormat format_;
+  Odometer odometer_;
+};
+
+TEST_F(OdometerTest, TheFirstFrameHasNoShift) {
+  const StepReport first = push_at(0, 0.0, 0.0);
+  EXPECT_EQ(first.shift.status, ShiftStatus::first_frame);
+  EXPECT_TRUE(std::isnan(first.shift.dx_px));
+  EXPECT_TRUE(std::isnan(first.velocity.vx_m_s));
+  EXPECT_EQ(first.position.x_m, 0.0);
+}
+
+TEST_F(OdometerTest, ShiftVelocityAndPositionFollowThePattern) {
+  push_at(0, 0.0, 0.0);
+  const StepReport report = push_at(1, 4.25, -2.5);
+  ASSERT_EQ(report.shift.status, ShiftStatus::ok);
+  EXPECT_NEAR(report.shift.dx_px, 4.25, 0.02);
+  EXPECT_NEAR(report.shift.dy_px, -2.5, 0.02);
+  EXPECT_EQ(report.dt_ns, kPeriod_ns);
+  EXPECT_DOUBLE_EQ(report.velocity.vx_m_s, report.shift.dx_px * 14e-6 / 1.985 / 1e-3);
+  EXPECT_DOUBLE_EQ(report.velocity.vy_m_s, report.shift.dy_px * 14e-6 / 2.0 / 1e-3);
+  EXPECT_GT(report.velocity.sigma_vx_m_s, 0.0);
+  EXPECT_DOUBLE_EQ(report.position.x_m, report.shift.dx_px * 14e-6 / 1.985);
+}
+
+TEST_F(OdometerTest, ThereAndBackReturnsToTheStart) {
+  double x_px = 0.0;
+  for (int i = 0; i <= 12; ++i) {
+    x_px += i <= 6 ? 1.3 : -1.3;
+    push_at(i, x_px, 0.7 * x_px);
+  }
+  const StepReport last = push_at(13, 1.3, 0.91);
+  EXPECT_NEAR(last.position.x_m, 0.0, 4.0 * last.position.sigma_x_m + 1e-8);
+  EXPECT_NEAR(last.position.y_m, 0.0, 4.0 * last.position.sigma_y_m + 1e-8);
+}
+
+TEST_F(OdometerTest, AMissingFrameMeansTheRealTime) {
+  push_at(0, 0.0, 0.0);
+  const StepReport one = push_at(1, 2.0, 0.0);
+  const StepReport three = push_at(4, 8.0, 0.0);  // frames 2 and 3 are missing
+  EXPECT_EQ(three.dt_ns, 3 * kPeriod_ns);
+  EXPECT_NEAR(three.velocity.vx_m_s, one.velocity.vx_m_s, 2e-4);
+}
+
+TEST_F(OdometerTest, ADarkFrameHoldsThePositionAndInventsNothing) {
+  push_at(0, 0.0, 0.0);
+  const StepReport before = push_at(1, 3.0, 1.0);
+  for (int i = 2; i <= 4; ++i) {
+    const StepReport dark = push(constant(format_, i, 3));
+    EXPECT_EQ(dark.shift.status, ShiftStatus::dark);
+    EXPECT_TRUE(std::isnan(dark.shift.dx_px));
+    EXPECT_TRUE(std::isnan(dark.velocity.vx_m_s));
+    EXPECT_EQ(dark.position.x_m, before.position.x_m);
+  }
+  // The pair with the dark frame is lost as well; the next one counts again.
+  EXPECT_EQ(push_at(5, 9.0, 1.0).shift.status, ShiftStatus::dark);
+  const StepReport after = push_at(6, 12.0, 1.0);
+  ASSERT_EQ(after.shift.status, ShiftStatus::ok);
+  EXPECT_NEAR(after.position.x_m - before.position.x_m, 3.0 * 14e-6 / 1.985, 2e-7);
+}
+
+TEST_F(OdometerTest, SaturatedAndEvenFramesAreRefused) {
+  push_at(0, 0.0, 0.0);
+  EXPECT_EQ(push(constant(format_, 1, 255)).shift.status, ShiftStatus::saturated);
+  EXPECT_EQ(push(constant(format_, 2, 255)).shift.status, ShiftStatus::saturated);
+  push_at(3, 0.0, 0.0);
+  EXPECT_EQ(push(constant(format_, 4, 90)).shift.status, ShiftStatus::low_contrast);
+}
+
+TEST_F(OdometerTest, AFrozenCameraIsNotStandstill) {
+  push_at(0, 0.0, 0.0);
+  Frame frame = simulated(camera_, 1, 1.0, 0.0);
+  EXPECT_EQ(push(frame).shift.status, ShiftStatus::ok);
+  frame.index = 2;
+  frame.stamp = {2 * kPeriod_ns};
+  EXPECT_EQ(push(frame).shift.status, ShiftStatus::frozen);
+  // Real standstill differs by its noise.
+  const StepReport parked = push_at(3, 1.0, 0.0);
+  ASSERT_EQ(parked.shift.status, ShiftStatus::ok);
+  EXPECT_NEAR(parked.shift.dx_px, 0.0, 0.005);
+}
+
+TEST(Odometer, NoiseFreeFramesMayRepeat) {
+  TrackConfig config = test::bridget_config();
+  config.calibration.noise_sd_counts = 0.0;
+  sim::SpeckleCamera camera =
+      sim::SpeckleCamera::create({.width_px = 64, .height_px = 64, .noise_sd_counts = 0.0}).value();
+  Odometer odometer = Odometer::create(config, sim::frame_format(camera.config())).value();
+  EXPECT_TRUE(odometer.push(simulated(camera, 0, 0.0, 0.0).view()));
+  const StepReport repeat = odometer.push(simulated(camera, 1, 0.0, 0.0).view()).value();
+  ASSERT_EQ(repeat.shift.status, ShiftStatus::ok);
+  EXPECT_NEAR(repeat.shift.dx_px, 0.0, 1e-3);
+}
+
+TEST_F(OdometerTest, MotionBeyondTheSearchRangeIsNeverAccepted) {
+  push_at(0, 0.0, 0.0);
+  for (int i = 1; i <= 12; ++i) {
+    const double jump_px = 41.0 * i;  // the range is +-32
+    const StepReport report = push_at(i, jump_px, i % 2 == 0 ? 0.0 : 3.0 * i);
+    EXPECT_NE(report.shift.status, ShiftStatus::ok) << i;
+  }
+}
+
+TEST_F(OdometerTest, AWrongFormatOrStampIsRefusedAndTheOdometerGoesOn) {
+  push_at(0, 0.0, 0.0);
+  const Frame small = constant({.width_px = 64, .height_px = 80}, 1, 60);
+  const Result<StepReport> wrong = odometer_.push(small.view());
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().message.find("frame 1 is 64 x 80 px"), std::string::npos);
+  for (const std::int64_t stamp_ns : {std::int64_t{0}, -kPeriod_ns}) {
+    Frame late = simulated(camera_, 1, 1.0, 0.0);
+    late.stamp = {stamp_ns};
+    EXPECT_FALSE(odometer_.push(late.view()));
+  }
+  const StepReport report = push_at(2, 2.0, 0.0);
+  EXPECT_NEAR(report.shift.dx_px, 2.0, 0.02);
+}
+
+TEST(Odometer, RefusesSettingsThatDoNotFit) {
+  TrackConfig config = test::bridget_config();
+  config.correlation.max_shift_px = 60;
+  EXPECT_FALSE(Odometer::create(config, {.width_px = 64, .height_px = 64}));
+  EXPECT_FALSE(Odometer::create(test::bridget_config(), {.width_px = 8, .height_px = 64}));
+  EXPECT_FALSE(Odometer::create(TrackConfig{}, {.width_px = 64, .height_px = 64}));
+}
+
+TEST(Odometer, KeepsTwelveBitFramesDeep) {
+  const sim::SpeckleConfig deep{.width_px = 80, .height_px = 64, .bit_depth = 12};
+  sim::SpeckleCamera camera = sim::SpeckleCamera::create(deep).value();
+  Odometer odometer = Odometer::create(test::bridget_config(), sim::frame_format(deep)).value();
+  EXPECT_TRUE(odometer.push(simulated(camera, 0, 0.0, 0.0).view()));
+  const StepReport report = odometer.push(simulated(camera, 1, -3.4, 5.1).view()).value();
+  ASSERT_EQ(report.shift.status, ShiftStatus::ok);
+  EXPECT_NEAR(report.shift.dx_px, -3.4, 0.02);
+  EXPECT_NEAR(report.shift.dy_px, 5.1, 0.02);
+}
+
+TEST(Odometer, SameFramesSameBits) {
+  std::vector<double> runs[2];
+  for (std::vector<double>& run : runs) {
+    sim::SpeckleCamera camera = sim::SpeckleCamera::create({}).value();
+    Odometer odometer =
+        Odometer::create(test::bridget_config(), sim::frame_format(camera.config())).value();
+    for (int i = 0; i < 6; ++i) {
+      const StepReport report =
+          odometer.push(simulated(camera, i, 1.7 * i, -0.4 * i).view()).value();
+      for (const double value : {report.shift.dx_px, report.shift.cov.xx_px2,
+                                 report.shift.quality.q, report.position.y_m})
+        run.push_back(std::isnan(value) ? -1.0 : value);
+    }
+  }
+  EXPECT_EQ(runs[0], runs[1]);
+}
+
+}  // namespace
+}  // namespace lsv

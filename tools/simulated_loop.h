@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Simulated frames rendered once and played for ever, there and back (0 1 2 3 2 1 0 1 ...), so that
+// every two consecutive frames are a valid pair with a known shift. For timing the pipeline.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lsv/core/config.h"
+#include "lsv/core/frame.h"
+#include "lsv/core/result.h"
+#include "sim/speckle.h"
+
+namespace lsv::cli {
+
+struct TrueShift {
+  double dx_px = 0.0;
+  double dy_px = 0.0;
+};
+
+class SimulatedLoop {
+ public:
+  /// `frames` >= 2 frames of `camera`; the shifts are random, up to `max_step_px` along each axis.
+  static Result<SimulatedLoop> render(const sim::SpeckleConfig& camera, double max_step_px,
+                                      int frames);
+
+  const FrameFormat& format() const { return frames_.front().format; }
+  /// Frame `k` >= 0 of the endless recording, with its stamp. Lives as long as the loop.
+  FrameView frame(std::int64_t k) const;
+  /// From frame k - 1 to frame k; k >= 1.
+  TrueShift shift(std::int64_t k) const;
+
+ private:
+  SimulatedLoop() = default;
+  std::size_t slot(std::int64_t k) const;
+
+  double frame_rate_hz_ = 0.0;
+  std::vector<Frame> pixels_;
+  std::vector<FrameView> frames_;
+  std::vector<TrueShift> positions_;
+};
+
+/// A calibration that fits the noise of `camera`; its geometry is that of the Masuku thesis.
+Calibration matching_calibration(const sim::SpeckleConfig& camera);
+
+}  // namespace lsv::cli
