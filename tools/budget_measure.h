@@ -14,12 +14,12 @@ namespace lsv::cli {
 
 /// As fast as the machine goes. The stages are called as the odometer calls them; the rest of a
 /// push (frame checks, covariance, gate, scale, integration) is too short for a clock and is the
-/// difference of the means.
+/// difference of the medians, which a machine with other work to do disturbs less than the means.
 struct UnpacedTimes {
   DurationSummary prepare;
   DurationSummary correlate;
   DurationSummary peak_and_quality;
-  double rest_mean_us = 0.0;
+  double rest_p50_us = 0.0;
   DurationSummary push;
   std::size_t shifts_refused = 0;
   double largest_error_px = 0.0;  // of the accepted shifts, against the simulated truth, per axis
@@ -32,7 +32,7 @@ struct UnpacedTimes {
 struct PacedTimes {
   double period_us = 0.0;
   std::size_t frames_due = 0;
-  DurationSummary wake_up;  // from the due time, or the result before if that was later
+  DurationSummary wake_up;  // from the due time until the program runs; frames it waited for
   DurationSummary push;
   DurationSummary latency;  // from the due time of a frame to its result
   std::size_t late = 0;     // results that were not there when the next frame was due, or never

@@ -2,6 +2,7 @@
 // The program `lsv`: parses the command line and hands over to one subcommand.
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <opencv2/core/utils/logger.hpp>
 
 #include "tools/commands.h"
@@ -32,11 +33,14 @@ int run(int argc, char** argv) {
   add_track_command(app, exit_code);
   add_info_command(app, exit_code);
   add_simulate_command(app, exit_code);
+  add_budget_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    // CLI11 prints help and errors; its own codes (109 for an unknown word) mean nothing to users.
-    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    // CLI11's own codes (109 for an unknown word) mean nothing to users.
+    return report_error({ErrorCode::invalid_argument,
+                         std::string(error.what()) + "; see lsv --help or lsv COMMAND --help"});
   }
   return exit_code;
 }

@@ -6,6 +6,12 @@
 
 namespace lsv::cli {
 
+std::size_t there_and_back(std::int64_t k, std::size_t frames) {
+  const std::size_t period = 2 * (frames - 1);
+  const std::size_t phase = static_cast<std::size_t>(k) % period;
+  return phase < frames ? phase : period - phase;
+}
+
 Result<SimulatedLoop> SimulatedLoop::render(const sim::SpeckleConfig& camera, double max_step_px,
                                             int frames) {
   Result<sim::SpeckleCamera> source = sim::SpeckleCamera::create(camera);
@@ -26,23 +32,17 @@ Result<SimulatedLoop> SimulatedLoop::render(const sim::SpeckleConfig& camera, do
   return loop;
 }
 
-std::size_t SimulatedLoop::slot(std::int64_t k) const {
-  const std::size_t period = 2 * (frames_.size() - 1);
-  const std::size_t phase = static_cast<std::size_t>(k) % period;
-  return phase < frames_.size() ? phase : period - phase;
-}
-
 FrameView SimulatedLoop::frame(std::int64_t k) const {
-  FrameView out = frames_[slot(k)];
+  FrameView out = frames_[there_and_back(k, frames_.size())];
   out.index = k;
-  out.stamp.ns = std::llround(static_cast<double>(k) * static_cast<double>(kNsPerS) /
-                              frame_rate_hz_);
+  out.stamp.ns =
+      std::llround(static_cast<double>(k) * static_cast<double>(kNsPerS) / frame_rate_hz_);
   return out;
 }
 
 TrueShift SimulatedLoop::shift(std::int64_t k) const {
-  const TrueShift& from = positions_[slot(k - 1)];
-  const TrueShift& to = positions_[slot(k)];
+  const TrueShift& from = positions_[there_and_back(k - 1, frames_.size())];
+  const TrueShift& to = positions_[there_and_back(k, frames_.size())];
   return {to.dx_px - from.dx_px, to.dy_px - from.dy_px};
 }
 

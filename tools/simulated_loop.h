@@ -3,6 +3,7 @@
 // every two consecutive frames are a valid pair with a known shift. For timing the pipeline.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,6 +13,9 @@
 #include "sim/speckle.h"
 
 namespace lsv::cli {
+
+/// Which of `frames` >= 2 frames is number `k` >= 0 of that endless recording.
+std::size_t there_and_back(std::int64_t k, std::size_t frames);
 
 struct TrueShift {
   double dx_px = 0.0;
@@ -32,7 +36,6 @@ class SimulatedLoop {
 
  private:
   SimulatedLoop() = default;
-  std::size_t slot(std::int64_t k) const;
 
   double frame_rate_hz_ = 0.0;
   std::vector<Frame> pixels_;

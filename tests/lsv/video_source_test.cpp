@@ -98,7 +98,7 @@ TEST_F(VideoSourceTest, ACutVideoIsAnError) {
   const std::string path = (folder_ / "v.avi").string();
   if (!write_video(path, "FFV1", grey_images(30))) GTEST_SKIP() << "no FFV1 encoder";
   test::Bytes bytes = test::read_bytes(path);
-  for (const std::size_t divisor : {2, 4, 16}) {
+  for (const unsigned divisor : {2U, 4U, 16U}) {
     const auto keep = static_cast<std::ptrdiff_t>(bytes.size() / divisor);
     const std::string cut = (folder_ / "cut.avi").string();
     test::write_bytes(cut, test::Bytes(bytes.begin(), bytes.begin() + keep));

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/frames.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <utility>
+
+namespace lsv::bench {
+
+sim::SpeckleConfig camera(int side_px, int bit_depth) {
+  sim::SpeckleConfig out;
+  out.width_px = side_px;
+  out.height_px = side_px;
+  out.bit_depth = bit_depth;
+  out.seed = kSeed;
+  return out;
+}
+
+const cli::SimulatedLoop& frames(int side_px, int bit_depth) {
+  static std::map<std::pair<int, int>, cli::SimulatedLoop> rendered;
+  const std::pair key(side_px, bit_depth);
+  if (const auto found = rendered.find(key); found != rendered.end()) return found->second;
+  Result<cli::SimulatedLoop> loop =
+      cli::SimulatedLoop::render(camera(side_px, bit_depth), kMaxStep_px, kFrames);
+  if (!loop) {
+    std::fprintf(stderr, "bench: %s\n", loop.error().message.c_str());
+    std::exit(EXIT_FAILURE);
+  }
+  return rendered.emplace(key, std::move(loop).value()).first->second;
+}
+
+TrackConfig track_config(Engine engine) {
+  TrackConfig out;
+  out.correlation.engine = engine;
+  out.calibration = cli::matching_calibration(camera(128, 8));
+  return out;
+}
+
+std::string wrong(const Answer& answer, const cli::TrueShift& truth, double tolerance_px) {
+  if (std::abs(answer.dx_px - truth.dx_px) <= tolerance_px &&
+      std::abs(answer.dy_px - truth.dy_px) <= tolerance_px)
+    return {};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "wrong answer: (%.4f, %.4f) px, truth (%.4f, %.4f) px, tolerance %.3f px",
+                answer.dx_px, answer.dy_px, truth.dx_px, truth.dy_px, tolerance_px);
+  return text;
+}
+
+}  // namespace lsv::bench
