@@ -38,6 +38,21 @@ TrackConfig track_config(Engine engine) {
   return out;
 }
 
+double tolerance_px(Engine engine, PeakFit fit) {
+  if (engine == Engine::phase) return 0.6;
+  if (engine == Engine::cross) return 0.3;
+  switch (fit) {
+    case PeakFit::sinc:
+    case PeakFit::gaussian2d:
+      return 0.02;
+    case PeakFit::gaussian3:
+      return 0.06;
+    case PeakFit::parabola3:
+      return 0.15;
+  }
+  return 0.0;
+}
+
 std::string wrong(const Answer& answer, const cli::TrueShift& truth, double tolerance_px) {
   if (std::abs(answer.dx_px - truth.dx_px) <= tolerance_px &&
       std::abs(answer.dy_px - truth.dy_px) <= tolerance_px)

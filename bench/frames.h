@@ -23,6 +23,10 @@ const cli::SimulatedLoop& frames(int side_px, int bit_depth);
 /// Default settings with the calibration of the simulated camera.
 TrackConfig track_config(Engine engine = Engine::zncc);
 
+/// What an answer may be off on these frames: several times the errors measured, far below those
+/// of a wrong peak, a wrong sign or swapped axes.
+double tolerance_px(Engine engine, PeakFit fit);
+
 struct Answer {
   double dx_px = 0.0;
   double dy_px = 0.0;

@@ -8,12 +8,10 @@
 namespace lsv::bench {
 namespace {
 
-cv::Mat to_float(const FrameView& frame) {
-  cv::Mat out(frame.height_px(), frame.width_px(), CV_32F);
-  for (int y = 0; y < frame.height_px(); ++y) {
-    for (int x = 0; x < frame.width_px(); ++x)
-      out.at<float>(y, x) = static_cast<float>(frame.at(x, y));
-  }
+cv::Mat to_image(const FrameView& frame) {
+  cv::Mat out(frame.height_px(), frame.width_px(), CV_8U);
+  for (int y = 0; y < frame.height_px(); ++y)
+    std::copy_n(frame.row8(y), frame.width_px(), out.ptr<std::uint8_t>(y));
   return out;
 }
 
@@ -29,20 +27,32 @@ double gaussian_offset(double before, double centre, double after) {
 
 }  // namespace
 
-FloatFrames::FloatFrames(const cli::SimulatedLoop& loop) {
-  for (int k = 0; k < kFrames; ++k) images_.push_back(to_float(loop.frame(k)));
+OpenCvFrames::OpenCvFrames(const cli::SimulatedLoop& loop) {
+  for (int k = 0; k < kFrames; ++k) {
+    bytes_.push_back(to_image(loop.frame(k)));
+    bytes_.back().convertTo(floats_.emplace_back(), CV_32F);
+  }
 }
 
-const cv::Mat& FloatFrames::frame(std::int64_t k) const {
-  return images_[cli::there_and_back(k, images_.size())];
+const cv::Mat& OpenCvFrames::bytes(std::int64_t k) const {
+  return bytes_[cli::there_and_back(k, bytes_.size())];
+}
+
+const cv::Mat& OpenCvFrames::floats(std::int64_t k) const {
+  return floats_[cli::there_and_back(k, floats_.size())];
 }
 
 PhaseCorrelate::PhaseCorrelate(int side_px, bool windowed) {
   if (windowed) cv::createHanningWindow(window_, cv::Size(side_px, side_px), CV_32F);
 }
 
-Answer PhaseCorrelate::shift(const cv::Mat& earlier, const cv::Mat& later) const {
-  const cv::Point2d out = cv::phaseCorrelate(earlier, later, window_);
+void PhaseCorrelate::load(const cv::Mat& earlier, const cv::Mat& later) {
+  earlier.copyTo(earlier_);
+  later.copyTo(later_);
+}
+
+Answer PhaseCorrelate::shift() {
+  const cv::Point2d out = cv::phaseCorrelate(earlier_, later_, window_);
   return {out.x, out.y};
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The OpenCV methods that lsv is compared with, used as well as their documentation allows: float
-// copies and the Hann window are made once, outside the timing. One thread.
+// The OpenCV methods that lsv is compared with, used to their advantage: float copies and the
+// Hann window are made outside the timing.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -11,28 +11,35 @@
 
 namespace lsv::bench {
 
-/// The frames of `loop` as float32 images, in the order 0 .. kFrames - 1.
-class FloatFrames {
+/// The frames of `loop` (8 bit) as OpenCV images. cv::phaseCorrelate wants float32;
+/// cv::matchTemplate is faster on 8 bit, where it transforms in single precision.
+class OpenCvFrames {
  public:
-  explicit FloatFrames(const cli::SimulatedLoop& loop);
-  const cv::Mat& frame(std::int64_t k) const;
+  explicit OpenCvFrames(const cli::SimulatedLoop& loop);
+  const cv::Mat& bytes(std::int64_t k) const;
+  const cv::Mat& floats(std::int64_t k) const;
 
  private:
-  std::vector<cv::Mat> images_;
+  std::vector<cv::Mat> bytes_;
+  std::vector<cv::Mat> floats_;
 };
 
-/// cv::phaseCorrelate.
+/// cv::phaseCorrelate. With a window it overwrites its inputs (OpenCV 4.6, sizes that need no
+/// padding), so it works on copies, which the caller makes outside the timing.
 class PhaseCorrelate {
  public:
   /// `windowed`: with the Hann window that its documentation recommends.
   PhaseCorrelate(int side_px, bool windowed);
-  Answer shift(const cv::Mat& earlier, const cv::Mat& later) const;
+  void load(const cv::Mat& earlier, const cv::Mat& later);
+  Answer shift();
 
   /// Whitening and a 5 x 5 centroid leave 0.1 px rms at 128 px; smaller frames are worse.
   static constexpr double kTolerance_px = 0.6;
 
  private:
   cv::Mat window_;  // empty: none
+  cv::Mat earlier_;
+  cv::Mat later_;
 };
 
 /// cv::matchTemplate (TM_CCOEFF_NORMED): the centre of the earlier frame searched in the later one,

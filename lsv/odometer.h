@@ -18,7 +18,7 @@
 #include "lsv/core/frame.h"
 #include "lsv/core/result.h"
 #include "lsv/integrate.h"
-#include "lsv/step_report.h"
+#include "lsv/core/step_report.h"
 
 namespace lsv {
 

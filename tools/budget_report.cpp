@@ -73,10 +73,11 @@ void append_verdict(std::string& out, const Budget& b) {
   append(out, "\n%.6g Hz does not hold: %zu of %zu results came after the next frame was due.\n",
          b.rate_hz, t.late, t.frames_due);
   if (t.push.p50_us < 0.5 * t.period_us) {
-    append(out,
-           "Half of the pushes took %.1f us or less: the late ones waited for the machine, not for\n"
-           "the pipeline. Try again without other load, or with real-time priority (chrt -f 50).\n",
-           t.push.p50_us);
+    append(
+        out,
+        "Half of the pushes took %.1f us or less: the late ones waited for the machine, not for\n"
+        "the pipeline. Try again without other load, or with real-time priority (chrt -f 50).\n",
+        t.push.p50_us);
   }
 }
 

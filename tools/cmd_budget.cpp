@@ -11,7 +11,7 @@
 #include "correlation/correlator.h"
 #include "correlation/fft.h"
 #include "correlation/kernels.h"
-#include "lsv/output_file.h"
+#include "lsv/output/output_file.h"
 #include "tools/budget_report.h"
 #include "tools/commands.h"
 #include "tools/cpu_model.h"

@@ -7,9 +7,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "lsv/frame_source.h"
+#include "lsv/ingest/frame_source.h"
+#include "lsv/output/number_text.h"
 #include "tools/commands.h"
-#include "tools/source_flags.h"
+#include "tools/settings.h"
+#include "tools/track_settings.h"
 
 namespace lsv::cli {
 namespace {
@@ -52,11 +54,8 @@ Levels levels_of(const FrameView& frame) {
 }
 
 std::string seconds_text(Stamp stamp) {
-  const char* sign = stamp.ns < 0 ? "-" : "";
-  const std::int64_t ns = std::abs(stamp.ns);
-  char text[40];
-  std::snprintf(text, sizeof text, "%s%lld.%09lld", sign, static_cast<long long>(ns / kNsPerS),
-                static_cast<long long>(ns % kNsPerS));
+  std::string text;
+  append_seconds(text, stamp.ns);
   return text;
 }
 
@@ -123,40 +122,45 @@ void print_json(const SourceInfo& info, const Levels& levels) {
   std::puts(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
-int run_info(const SourceFlags& flags, bool json) {
-  auto options = source_options(flags);
-  if (!options) return report_error(options.error());
-  options.value().need_time = false;
-  auto source = open_frames(flags.frames, options.value());
-  if (!source) return report_error(source.error());
-  Frame frame;
-  const auto read = source.value()->next(frame);
-  if (!read) return report_error(read.error());
-  const Levels levels = levels_of(frame.view());
-  if (json) {
-    print_json(source.value()->info(), levels);
-  } else {
-    print_text(source.value()->info(), levels);
-  }
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-    return report_error({ErrorCode::output_failed, "standard output could not be written"});
-  return kExitOk;
-}
-
-struct InfoFlags {
-  SourceFlags source;
+struct InfoCommand {
+  std::vector<std::string> frames;
   bool json = false;
+  SourceOptions source;
+  Settings settings;
 };
+
+Result<void> describe(InfoCommand& command) {
+  if (Result<void> resolved = command.settings.resolve(""); !resolved) return resolved;
+  command.source.need_time = false;
+  Result<std::unique_ptr<FrameSource>> source = open_frames(command.frames, command.source);
+  if (!source) return source.error();
+  Frame frame;
+  const Result<bool> read = source.value()->next(frame);
+  if (!read) return read.error();
+  const Levels levels = levels_of(frame.view());
+  if (command.json)
+    print_json(source.value()->info(), levels);
+  else
+    print_text(source.value()->info(), levels);
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return Error{ErrorCode::output_failed, "standard output could not be written"};
+  return {};
+}
 
 }  // namespace
 
 void add_info_command(CLI::App& app, int& exit_code) {
-  CLI::App* command = app.add_subcommand("info", "Say what the frames are and check the first one");
-  const auto flags = std::make_shared<InfoFlags>();
-  add_source_flags(*command, flags->source);
-  command->add_flag("--json", flags->json, "Print one JSON object");
-  command->footer("Example:\n  lsv info frames/ --rate-hz 100");
-  command->callback([flags, &exit_code] { exit_code = run_info(flags->source, flags->json); });
+  CLI::App* const sub =
+      app.add_subcommand("info", "Say what the frames are and check the first one");
+  auto command = std::make_shared<InfoCommand>();
+  sub->add_option("FRAMES", command->frames, kFramesHelp)->required();
+  sub->add_flag("--json", command->json, "Print one JSON object");
+  add_source_settings(*sub, command->settings, command->source);
+  sub->footer("Example:\n  lsv info sample_frames/drive_png --rate-hz 1000");
+  sub->callback([command, &exit_code] {
+    const Result<void> described = describe(*command);
+    exit_code = described ? kExitOk : report_error(described.error());
+  });
 }
 
 }  // namespace lsv::cli

@@ -13,9 +13,9 @@
 #include <system_error>
 #include <utility>
 
-#include "lsv/frame_writer.h"
-#include "lsv/number_text.h"
-#include "lsv/output_file.h"
+#include "lsv/output/frame_writer.h"
+#include "lsv/output/number_text.h"
+#include "lsv/output/output_file.h"
 #include "sim/speckle.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"

@@ -139,9 +139,7 @@ void add_track_command(CLI::App& app, int& exit_code) {
   auto command = std::make_shared<TrackCommand>();
   CLI::App* const sub =
       app.add_subcommand("track", "Track the speckle pattern through frames: velocity, position");
-  sub->add_option("FRAMES", command->frames,
-                  "A folder, image files, a quoted pattern, a TIFF stack, a raw file, a video, or "
-                  "- for raw frames on standard input");
+  sub->add_option("FRAMES", command->frames, kFramesHelp);
   add_output_options(*sub, command->outputs);
   sub->add_option("--config", command->config_path, "Settings from a TOML file");
   sub->add_flag("--print-config", command->print_config,

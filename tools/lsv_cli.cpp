@@ -2,8 +2,8 @@
 // The program `lsv`: parses the command line and hands over to one subcommand.
 #include <cstdio>
 #include <cstdlib>
-#include <string>
 #include <opencv2/core/utils/logger.hpp>
+#include <string>
 
 #include "tools/commands.h"
 

@@ -7,9 +7,9 @@
 #include <functional>
 #include <utility>
 
-#include "lsv/csv_sink.h"
-#include "lsv/jsonl_sink.h"
-#include "lsv/tum_sink.h"
+#include "lsv/output/csv_sink.h"
+#include "lsv/output/jsonl_sink.h"
+#include "lsv/output/tum_sink.h"
 
 namespace lsv::cli {
 namespace {

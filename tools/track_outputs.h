@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "lsv/odometer.h"
-#include "lsv/report.h"
-#include "lsv/summary.h"
-#include "lsv/track_sink.h"
+#include "lsv/output/report.h"
+#include "lsv/output/summary.h"
+#include "lsv/output/track_sink.h"
 
 namespace lsv::cli {
 

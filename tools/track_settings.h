@@ -6,10 +6,15 @@
 #include <string>
 
 #include "lsv/core/config.h"
-#include "lsv/frame_source.h"
+#include "lsv/ingest/frame_source.h"
 #include "tools/settings.h"
 
 namespace lsv::cli {
+
+/// What FRAMES may be, for --help.
+inline constexpr const char* kFramesHelp =
+    "A folder, image files, a quoted pattern, a TIFF stack, a raw file, a video, or - for raw "
+    "frames on standard input";
 
 struct TrackSettings {
   TrackConfig config;

@@ -2,7 +2,7 @@
 // The first byte chooses the format, the rest is the file.
 #include <array>
 
-#include "lsv/image_decode.h"
+#include "lsv/ingest/image_decode.h"
 #include "tests/fuzz/frame_checks.h"
 #include "tests/fuzz/memory_file.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // --raw and --roi: what is accepted must say the same again.
-#include "lsv/frame_source.h"
+#include "lsv/ingest/frame_source.h"
 #include "tests/fuzz/frame_checks.h"
 
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A TIFF stack: every page counted is delivered whole or ends the stack with an error.
-#include "lsv/tiff_stack.h"
+#include "lsv/ingest/tiff_stack.h"
 #include "tests/fuzz/frame_checks.h"
 #include "tests/fuzz/memory_file.h"
 

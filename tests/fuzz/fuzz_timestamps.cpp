@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 
-#include "lsv/timestamps.h"
+#include "lsv/ingest/timestamps.h"
 #include "tests/fuzz/frame_checks.h"
 
 namespace {

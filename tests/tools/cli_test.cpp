@@ -161,8 +161,7 @@ TEST(Track, StackAndPngSequenceAndRawStreamGiveTheSameRows) {
   ASSERT_EQ(files.size(), 6U);
   std::string stream;
   for (const std::string& file : files) stream += read_text(file);
-  const ProgramResult piped =
-      track({"-", "--raw", "64x48:mono8", "--csv", "-", "-q"}, stream);
+  const ProgramResult piped = track({"-", "--raw", "64x48:mono8", "--csv", "-", "-q"}, stream);
   ASSERT_EQ(piped.exit_code, 0) << piped.err;
   std::vector<std::string> named = files;
   named.insert(named.end(), {"--raw", "64x48:mono8", "--csv", "-", "-q"});
@@ -175,7 +174,8 @@ TEST(Track, StackAndPngSequenceAndRawStreamGiveTheSameRows) {
 TEST(Track, SameInputSameBytes) {
   const std::string folder = test::fresh_directory();
   for (const char* run : {"/a", "/b"})
-    ASSERT_EQ(track({kStack, "-o", folder + run, "--jsonl", folder + run + "/track.jsonl"}).exit_code, 0);
+    ASSERT_EQ(
+        track({kStack, "-o", folder + run, "--jsonl", folder + run + "/track.jsonl"}).exit_code, 0);
   for (const char* name : {"track.csv", "track.tum", "track.jsonl", "summary.json", "report.html"})
     EXPECT_EQ(read_text(folder + "/a/" + name), read_text(folder + "/b/" + name)) << name;
 }
@@ -236,8 +236,8 @@ TEST(Track, AnInterruptedRunClosesItsFilesAndSaysSo) {
             "--calibration", kCalibration.c_str(), "-o", folder.c_str(), nullptr);
     ::_exit(127);
   }
-  const ProgramResult made = lsv_run({"simulate", "speckle", "-o", folder + "/raw", "--format",
-                                      "raw", "--frames", "4"});
+  const ProgramResult made =
+      lsv_run({"simulate", "speckle", "-o", folder + "/raw", "--format", "raw", "--frames", "4"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   std::ofstream pipe(fifo, std::ios::binary);
   for (int i = 0; i < 4; ++i) {
@@ -267,9 +267,8 @@ TEST(Track, PrintConfigNamesTheSourceOfEveryValue) {
   const std::string folder = test::fresh_directory();
   const std::string file = folder + "/lsv.toml";
   std::ofstream(file) << "min_q = 7.5\nmin_zncc = 0.3\nstep = 2\nengine = \"cross\"\n";
-  const ProgramResult result =
-      lsv_run({"track", "--print-config", "--config", file, "--step", "4"}, "",
-              {"LSV_MIN_ZNCC=0.4", "LSV_STEP=3"});
+  const ProgramResult result = lsv_run({"track", "--print-config", "--config", file, "--step", "4"},
+                                       "", {"LSV_MIN_ZNCC=0.4", "LSV_STEP=3"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("min_q = 7.5  # " + file + ":1 min_q"), std::string::npos)
       << result.out;
