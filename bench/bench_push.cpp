@@ -2,6 +2,7 @@
 // The whole pipeline: one frame in, one step report out.
 #include <string>
 
+#include "bench/answers.h"
 #include "bench/frames.h"
 #include "bench/lsv_bench.h"
 #include "lsv/odometer.h"
@@ -9,7 +10,9 @@
 namespace lsv::bench {
 namespace {
 
-std::string judge(const Shift& shift, const cli::TrueShift& truth, const CorrelationConfig& used) {
+std::string judge(const Shift& shift, const CorrelationConfig& used, const CorrelationPlane& plane,
+                  const cli::TrueShift& truth) {
+  if (used.engine == Engine::phase) return wrong(plane, used.engine, used.peak_fit, truth);
   if (shift.status != ShiftStatus::ok)
     return "wrong answer: shift refused as " + std::string(word(shift.status));
   return wrong({shift.dx_px, shift.dy_px}, truth, tolerance_px(used.engine, used.peak_fit));
@@ -22,8 +25,9 @@ void push(benchmark::State& state, Engine engine, int side_px, int bit_depth) {
   std::int64_t k = 0;
   Result<StepReport> report = odometer.push(loop.frame(k));
   for (auto _ : state) report = odometer.push(loop.frame(++k));
-  require(state, report ? judge(report.value().shift, loop.shift(k), config.correlation)
-                        : report.error().message);
+  require(state,
+          report ? judge(report.value().shift, config.correlation, odometer.plane(), loop.shift(k))
+                 : report.error().message);
 }
 
 void add(Engine engine, int side_px, int bit_depth) {

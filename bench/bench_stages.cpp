@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "bench/answers.h"
 #include "bench/frames.h"
 #include "bench/lsv_bench.h"
 #include "correlation/correlator.h"
@@ -37,10 +38,6 @@ struct Pair {
   }
 };
 
-std::string judge(const Peak& peak, const cli::TrueShift& truth, Engine engine, PeakFit fit) {
-  return wrong({peak.dx_px, peak.dy_px}, truth, tolerance_px(engine, fit));
-}
-
 void prepare(benchmark::State& state, Engine engine, int side_px) {
   Pair pair(engine, side_px);
   std::int64_t k = 1;
@@ -49,15 +46,13 @@ void prepare(benchmark::State& state, Engine engine, int side_px) {
     pair.correlator->prepare(pair.loop.frame(++k), pair.later);
   }
   pair.correlator->correlate(pair.earlier, pair.later, pair.plane);
-  require(state,
-          judge(find_peak(pair.plane, PeakFit::sinc), pair.loop.shift(k), engine, PeakFit::sinc));
+  require(state, wrong(pair.plane, engine, PeakFit::sinc, pair.loop.shift(k)));
 }
 
 void correlate(benchmark::State& state, Engine engine, int side_px) {
   Pair pair(engine, side_px);
   for (auto _ : state) pair.correlator->correlate(pair.earlier, pair.later, pair.plane);
-  require(state,
-          judge(find_peak(pair.plane, PeakFit::sinc), pair.loop.shift(1), engine, PeakFit::sinc));
+  require(state, wrong(pair.plane, engine, PeakFit::sinc, pair.loop.shift(1)));
 }
 
 void peak(benchmark::State& state, PeakFit fit, int side_px) {
@@ -68,7 +63,8 @@ void peak(benchmark::State& state, PeakFit fit, int side_px) {
     found = find_peak(pair.plane, fit);
     benchmark::DoNotOptimize(found);
   }
-  require(state, judge(found, pair.loop.shift(1), Engine::zncc, fit));
+  require(state,
+          wrong({found.dx_px, found.dy_px}, pair.loop.shift(1), tolerance_px(Engine::zncc, fit)));
 }
 
 /// The pattern does not change between the frames: what is missing to 1 is camera noise and the

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/frames.h"
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -36,32 +35,6 @@ TrackConfig track_config(Engine engine) {
   out.correlation.engine = engine;
   out.calibration = cli::matching_calibration(camera(128, 8));
   return out;
-}
-
-double tolerance_px(Engine engine, PeakFit fit) {
-  if (engine == Engine::phase) return 0.6;
-  if (engine == Engine::cross) return 0.3;
-  switch (fit) {
-    case PeakFit::sinc:
-    case PeakFit::gaussian2d:
-      return 0.02;
-    case PeakFit::gaussian3:
-      return 0.06;
-    case PeakFit::parabola3:
-      return 0.15;
-  }
-  return 0.0;
-}
-
-std::string wrong(const Answer& answer, const cli::TrueShift& truth, double tolerance_px) {
-  if (std::abs(answer.dx_px - truth.dx_px) <= tolerance_px &&
-      std::abs(answer.dy_px - truth.dy_px) <= tolerance_px)
-    return {};
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "wrong answer: (%.4f, %.4f) px, truth (%.4f, %.4f) px, tolerance %.3f px",
-                answer.dx_px, answer.dy_px, truth.dx_px, truth.dy_px, tolerance_px);
-  return text;
 }
 
 }  // namespace lsv::bench

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The simulated frames that every method of one run is timed on, and the check of its answers.
+// The simulated frames that every method of one run is timed on.
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "tools/simulated_loop.h"
 
@@ -22,17 +21,5 @@ const cli::SimulatedLoop& frames(int side_px, int bit_depth);
 
 /// Default settings with the calibration of the simulated camera.
 TrackConfig track_config(Engine engine = Engine::zncc);
-
-/// What an answer may be off on these frames: several times the errors measured, far below those
-/// of a wrong peak, a wrong sign or swapped axes.
-double tolerance_px(Engine engine, PeakFit fit);
-
-struct Answer {
-  double dx_px = 0.0;
-  double dy_px = 0.0;
-};
-
-/// Empty when both axes are within `tolerance_px` of the truth; else a sentence.
-std::string wrong(const Answer& answer, const cli::TrueShift& truth, double tolerance_px);
 
 }  // namespace lsv::bench

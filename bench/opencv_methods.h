@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/answers.h"
 #include "bench/frames.h"
 
 namespace lsv::bench {

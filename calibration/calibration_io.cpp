@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "calibration/calibration_io.h"
 
-#define TOML_HEADER_ONLY 1
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +10,7 @@
 #include <sstream>
 
 #include "calibration/sha256.h"
+#include "calibration/toml.h"
 
 namespace lsv {
 namespace {

@@ -64,6 +64,7 @@ Result<void> track_frames(FrameSource& source, Odometer& odometer, TrackOutputs&
   Frame frame;
   while (!interrupted()) {
     const Result<bool> more = source.next(frame);
+    if (!more && interrupted()) break;  // the signal ended the wait for a pipe
     if (!more) return more.error();
     if (!more.value()) break;
     const Result<StepReport> report = odometer.push(frame.view());

@@ -41,8 +41,8 @@ struct FrameFormat {
 struct FrameView {
   const std::byte* data = nullptr;
   std::ptrdiff_t stride_bytes = 0;
-  FrameFormat format;
-  Stamp stamp;             // middle of the exposure
+  FrameFormat format{};
+  Stamp stamp{};           // middle of the exposure
   std::int64_t index = 0;  // position in the source; a missing frame leaves a hole
 
   int width_px() const { return format.width_px; }

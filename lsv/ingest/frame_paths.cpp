@@ -7,19 +7,22 @@
 #include <filesystem>
 #include <system_error>
 
+#include "lsv/ingest/raw_source.h"
+
 namespace lsv {
 namespace {
 
 namespace fs = std::filesystem;
 
-Result<FramePaths> files_in(const std::string& folder) {
+Result<FramePaths> files_in(const std::string& folder, bool raw) {
   FramePaths out{.files = {}, .order = ListOrder::natural};
   std::error_code failure;
   for (fs::directory_iterator it(folder, failure), end; !failure && it != end;
        it.increment(failure)) {
     std::error_code ignored;
-    if (image_kind_of(it->path().string()) && !it->is_directory(ignored))
-      out.files.push_back(it->path().string());
+    const std::string path = it->path().string();
+    const bool wanted = raw ? is_raw_path(path) : image_kind_of(path).has_value();
+    if (wanted && !it->is_directory(ignored)) out.files.push_back(path);
   }
   if (failure) {
     return Error{ErrorCode::bad_input,
@@ -27,10 +30,10 @@ Result<FramePaths> files_in(const std::string& folder) {
   }
   if (out.files.empty()) {
     return Error{ErrorCode::bad_input,
-                 folder +
-                     ": the folder holds no image file (.png .tif .tiff .pgm .bmp .jpg .jpeg);"
-                     " for other names give a pattern such as '" +
-                     folder + "/*.raw'"};
+                 folder + ": the folder holds no " +
+                     (raw ? "raw file (.raw .bin .y8 .y16)"
+                          : "image file (.png .tif .tiff .pgm .bmp .jpg .jpeg)") +
+                     "; for other names give a pattern such as '" + folder + "/*.dat'"};
   }
   std::sort(out.files.begin(), out.files.end());
   return out;
@@ -49,7 +52,7 @@ Result<FramePaths> matches_of(const std::string& pattern) {
 
 }  // namespace
 
-Result<FramePaths> expand_frame_paths(const std::vector<std::string>& paths) {
+Result<FramePaths> expand_frame_paths(const std::vector<std::string>& paths, bool raw) {
   if (paths.empty() || std::count(paths.begin(), paths.end(), std::string()) > 0) {
     return Error{ErrorCode::invalid_argument,
                  "no frames are named; give a folder, files, a pattern, or - for standard input"};
@@ -58,7 +61,7 @@ Result<FramePaths> expand_frame_paths(const std::vector<std::string>& paths) {
   const std::string& path = paths.front();
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
-  if (fs::is_directory(status)) return files_in(path);
+  if (fs::is_directory(status)) return files_in(path, raw);
   if (!fs::exists(status) && path.find_first_of("*?[") != std::string::npos)
     return matches_of(path);
   return FramePaths{.files = paths};
@@ -69,7 +72,7 @@ Result<void> check_image_list(const std::vector<std::string>& files) {
   for (const std::string& file : files) {
     const auto kind = image_kind_of(file);
     if (!kind && files.size() == 1) {
-      return Error{ErrorCode::invalid_argument,
+      return Error{ErrorCode::unsupported,
                    file +
                        ": the extension is not one that lsv reads; raw frames need --raw, for "
                        "example --raw 640x480:mono8"};

@@ -15,8 +15,9 @@ struct FramePaths {
   ListOrder order = ListOrder::as_given;
 };
 
-/// One folder gives its image files, one pattern (* ? [) its matches, anything else itself.
-Result<FramePaths> expand_frame_paths(const std::vector<std::string>& paths);
+/// One folder gives its image files, or its raw files when `raw`; one pattern (* ? [) its matches,
+/// anything else itself.
+Result<FramePaths> expand_frame_paths(const std::vector<std::string>& paths, bool raw);
 
 /// Several files must all be images of one format.
 Result<void> check_image_list(const std::vector<std::string>& files);

@@ -215,41 +215,41 @@ Result<void> check(const SourceOptions& options) {
   return {};
 }
 
-bool is_raw_path(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".raw" || extension == ".bin" || extension == ".y8" || extension == ".y16";
+/// --raw with --bit-depth taken into account.
+std::optional<RawFormat> raw_format(const SourceOptions& options) {
+  std::optional<RawFormat> raw = options.raw;
+  if (raw && options.bit_depth && raw->format.type == PixelType::mono16)
+    raw->format.bit_depth = *options.bit_depth;
+  return raw;
 }
 
 Result<std::unique_ptr<FrameStream>> open_raw_input(const std::string& path,
                                                     const SourceOptions& options) {
-  if (!options.raw) {
+  const std::optional<RawFormat> raw = raw_format(options);
+  if (!raw) {
     return usage((path == "-" ? "standard input" : path) +
                  ": raw frames do not say their size; give --raw, for example --raw 640x480:mono8");
   }
-  RawFormat raw = *options.raw;
-  if (options.bit_depth && raw.format.type == PixelType::mono16)
-    raw.format.bit_depth = *options.bit_depth;
-  return open_raw(path, raw, options.max_pixels);
+  return open_raw(path, *raw, options.max_pixels);
 }
 
 Result<std::unique_ptr<FrameStream>> open_stream(const std::vector<std::string>& paths,
                                                  const SourceOptions& options) {
-  const auto expanded = expand_frame_paths(paths);
+  const auto expanded = expand_frame_paths(paths, options.raw.has_value());
   if (!expanded) return expanded.error();
   const auto& [files, order] = expanded.value();
-  const DecodeOptions decode{.max_pixels = options.max_pixels, .bit_depth = options.bit_depth};
+  const DecodeOptions decode{
+      .max_pixels = options.max_pixels, .bit_depth = options.bit_depth, .raw = raw_format(options)};
   if (files.size() == 1) {
     const std::string& file = files.front();
     if (file == "-" || options.raw || is_raw_path(file)) return open_raw_input(file, options);
     if (is_video_path(file)) return open_video(file, options.max_pixels);
     if (image_kind_of(file) == ImageKind::tiff) return open_tiff_stack(file, decode);
-  } else if (options.raw) {
-    return usage(
-        "--raw reads one file or standard input; join several with: cat FILES | lsv ... -");
   }
-  const auto list = check_image_list(files);
-  if (!list) return list.error();
+  if (!options.raw) {
+    const auto list = check_image_list(files);
+    if (!list) return list.error();
+  }
   return open_image_sequence(files, order, options.ignore_numbers, decode);
 }
 

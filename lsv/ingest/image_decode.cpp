@@ -10,6 +10,7 @@
 
 #include "lsv/ingest/decoders.h"
 #include "lsv/ingest/input_file.h"
+#include "lsv/ingest/raw_source.h"
 #include "lsv/ingest/tiff_reader.h"
 
 namespace lsv {
@@ -46,6 +47,8 @@ bool magic_agrees(std::span<const std::uint8_t> bytes, ImageKind kind) {
       return starts_with(bytes, "BM");
     case ImageKind::jpeg:
       return starts_with(bytes, "\xff\xd8\xff");
+    case ImageKind::raw:
+      return true;
     case ImageKind::tiff:
       break;  // tiff_reader checks for itself
   }
@@ -66,6 +69,23 @@ Result<ImageNotes> read_single_page(const std::string& path, const DecodeOptions
   return ImageNotes{};
 }
 
+/// A file of one raw frame.
+Result<ImageNotes> decode_raw(const EncodedImage& in, Frame& out) {
+  if (const auto checked = check_raw_size(in.name, *in.options.raw, in.options.max_pixels);
+      !checked)
+    return checked.error();
+  const std::int64_t frame_bytes = bytes_per_frame(in.options.raw->format);
+  const std::int64_t expected_bytes = in.options.raw->header_bytes + frame_bytes;
+  const auto size_bytes = static_cast<std::int64_t>(in.bytes.size());
+  if (size_bytes != expected_bytes) {
+    return bad_image(in.name, "holds " + std::to_string(size_bytes) + " bytes but one frame of " +
+                                  "--raw needs " + std::to_string(expected_bytes) +
+                                  "; a file of several frames must be given alone");
+  }
+  copy_raw_frame(in.bytes.last(static_cast<std::size_t>(frame_bytes)), in.options.raw->format, out);
+  return ImageNotes{};
+}
+
 }  // namespace
 
 std::string_view word(ImageKind kind) {
@@ -80,6 +100,8 @@ std::string_view word(ImageKind kind) {
       return "BMP";
     case ImageKind::jpeg:
       return "JPEG";
+    case ImageKind::raw:
+      return "raw";
   }
   return "unknown";
 }
@@ -137,6 +159,8 @@ Result<ImageNotes> ImageReader::read(const std::string& path, ImageKind kind, Fr
       return decode_jpeg(in, out);
     case ImageKind::bmp:
       return decode_bmp(in, out);
+    case ImageKind::raw:
+      return decode_raw(in, out);
     default:
       return decode_pgm(in, out);
   }

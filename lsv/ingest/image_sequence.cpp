@@ -128,7 +128,7 @@ std::vector<std::int64_t> consecutive(std::size_t count) {
 Result<std::unique_ptr<FrameStream>> open_image_sequence(std::vector<std::string> paths,
                                                          ListOrder order, bool ignore_numbers,
                                                          const DecodeOptions& options) {
-  const ImageKind kind = image_kind_of(paths.front()).value();
+  const ImageKind kind = options.raw ? ImageKind::raw : image_kind_of(paths.front()).value();
   const bool family = !ignore_numbers && numbers_of_family(paths);
   if (family || order == ListOrder::natural) std::sort(paths.begin(), paths.end(), natural_less);
 

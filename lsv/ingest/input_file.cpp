@@ -59,7 +59,8 @@ Result<std::size_t> read_fully(int fd, std::span<std::uint8_t> into, const std::
     if (got == 0) break;
     if (got > 0) {
       done += static_cast<std::size_t>(got);
-    } else if (errno != EINTR) {
+    } else {
+      // EINTR too: the caller installed a handler because it wants to be let out of a pipe.
       return Error{ErrorCode::bad_input, name + ": cannot be read: " + std::strerror(errno)};
     }
   }

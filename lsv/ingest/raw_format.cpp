@@ -34,7 +34,7 @@ std::optional<FrameFormat> format_of(std::string_view size, std::string_view pix
 
 Result<RawFormat> parse_raw_format(const std::string& text) {
   const Error refusal{ErrorCode::invalid_argument,
-                      "--raw \"" + text +
+                      "\"" + text +
                           "\" is not WIDTHxHEIGHT:mono8, mono10, mono12, mono14 or mono16 with an "
                           "optional :HEADER_BYTES; example: --raw 640x480:mono8"};
   const auto parts = split_at(text, ':');
@@ -53,8 +53,7 @@ Result<RawFormat> parse_raw_format(const std::string& text) {
 Result<Roi> parse_roi(const std::string& text) {
   const Error refusal{
       ErrorCode::invalid_argument,
-      "--roi \"" + text +
-          "\" is not X,Y,WIDTH,HEIGHT in px with X, Y >= 0; example: --roi 0,0,256,256"};
+      "\"" + text + "\" is not X,Y,WIDTH,HEIGHT in px with X, Y >= 0; example: --roi 0,0,256,256"};
   const auto parts = split_at(text, ',');
   if (parts.size() != 4) return refusal;
   const auto x = whole_number<int>(parts[0]);

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -14,17 +16,6 @@
 
 namespace lsv {
 namespace {
-
-std::int64_t bytes_per_frame(const FrameFormat& format) {
-  return std::int64_t{format.width_px} * format.height_px *
-         static_cast<std::int64_t>(bytes_per_pixel(format.type));
-}
-
-void swap_words_on_big_endian(std::vector<std::uint8_t>& bytes) {
-  if constexpr (std::endian::native == std::endian::big) {
-    for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) std::swap(bytes[i], bytes[i + 1]);
-  }
-}
 
 class RawSource : public FrameStream {
  public:
@@ -50,12 +41,7 @@ class RawSource : public FrameStream {
   Result<bool> read(Frame& out) override {
     auto there = skip();
     if (!there || !there.value()) return there;
-    if (raw_.format.type == PixelType::mono16) swap_words_on_big_endian(buffer_);
-    out.reset(raw_.format);
-    const auto height = static_cast<std::size_t>(raw_.format.height_px);
-    const std::size_t row_bytes = buffer_.size() / height;
-    for (std::size_t y = 0; y < height; ++y)
-      std::memcpy(out.row(static_cast<int>(y)), buffer_.data() + y * row_bytes, row_bytes);
+    copy_raw_frame(buffer_, raw_.format, out);
     return true;
   }
 
@@ -108,11 +94,44 @@ Result<void> check_length(const std::string& path, const RawFormat& raw, std::in
 
 }  // namespace
 
+std::int64_t bytes_per_frame(const FrameFormat& format) {
+  return std::int64_t{format.width_px} * format.height_px *
+         static_cast<std::int64_t>(bytes_per_pixel(format.type));
+}
+
+Result<void> check_raw_size(const std::string& name, const RawFormat& raw,
+                            std::int64_t max_pixels) {
+  const auto size =
+      check_image_size(name + ": --raw", raw.format.width_px, raw.format.height_px, max_pixels);
+  if (!size) return Error{ErrorCode::invalid_argument, size.error().message};
+  return {};
+}
+
+void copy_raw_frame(std::span<const std::uint8_t> bytes, const FrameFormat& format, Frame& out) {
+  out.reset(format);
+  const std::size_t row_bytes = bytes.size() / static_cast<std::size_t>(format.height_px);
+  for (int y = 0; y < format.height_px; ++y) {
+    std::memcpy(out.row(y), bytes.data() + static_cast<std::size_t>(y) * row_bytes, row_bytes);
+    if constexpr (std::endian::native == std::endian::big) {
+      if (format.type == PixelType::mono16) {
+        for (int x = 0; x < format.width_px; ++x) {
+          const std::uint16_t word = out.row16(y)[x];
+          out.row16(y)[x] = static_cast<std::uint16_t>(word << 8 | word >> 8);
+        }
+      }
+    }
+  }
+}
+
+bool is_raw_path(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".raw" || extension == ".bin" || extension == ".y8" || extension == ".y16";
+}
+
 Result<std::unique_ptr<FrameStream>> open_raw(const std::string& path, const RawFormat& raw,
                                               std::int64_t max_pixels) {
-  const auto size =
-      check_image_size(path + ": --raw", raw.format.width_px, raw.format.height_px, max_pixels);
-  if (!size) return Error{ErrorCode::invalid_argument, size.error().message};
+  if (const auto size = check_raw_size(path, raw, max_pixels); !size) return size.error();
   if (path == "-") {
     return std::unique_ptr<FrameStream>(
         std::make_unique<RawSource>("standard input", raw, std::nullopt));

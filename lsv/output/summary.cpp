@@ -50,6 +50,22 @@ std::string with_unit(double value, int decimals, const char* unit) {
   return out + unit;
 }
 
+/// Four significant digits with the prefix that suits them: "3.768 mm", "12.50 km/s".
+std::string in_prefixed(double value, const char* unit) {
+  if (!std::isfinite(value)) return "unknown";
+  constexpr std::pair<double, const char*> kPrefixes[] = {
+      {1e3, " k"}, {1.0, " "}, {1e-3, " m"}, {1e-6, " u"}, {1e-9, " n"}};
+  const double magnitude = std::abs(value);
+  const auto* prefix = std::begin(kPrefixes) + 1;  // zero is shown in the plain unit
+  if (magnitude > 0.0) {
+    prefix = std::find_if(std::begin(kPrefixes), std::end(kPrefixes) - 1,
+                          [&](const auto& p) { return magnitude >= 0.99995 * p.first; });
+  }
+  const double scaled = value / prefix->first;
+  const int whole_digits = std::abs(scaled) >= 99.995 ? 3 : std::abs(scaled) >= 9.9995 ? 2 : 1;
+  return with_unit(scaled, 4 - whole_digits, prefix->second) + unit;
+}
+
 std::string rejected_text(const Summary& summary) {
   std::string out = std::to_string(summary.shifts_rejected) + " rejected";
   if (summary.shifts_rejected == 0) return out;
@@ -180,12 +196,12 @@ std::string summary_text(const Summary& summary) {
   out += "shifts   " + std::to_string(summary.shifts_ok) + " ok, " + rejected_text(summary) + "\n";
   out += "time     " + with_unit(summary.duration_s, 3, " s") + ", position held for " +
          with_unit(summary.held_time_s, 3, " s") + "\n";
-  out += "path     " + with_unit(summary.path_length_m, 6, " m") + "\n";
-  out += "end      x " + with_unit(summary.end.x_m, 6, " m") + " (sigma " +
-         with_unit(summary.end.sigma_x_m, 6, " m") + "), y " + with_unit(summary.end.y_m, 6, " m") +
-         " (sigma " + with_unit(summary.end.sigma_y_m, 6, " m") + ")\n";
-  out += "speed    mean " + with_unit(summary.mean_speed_m_s, 6, " m/s") + ", max " +
-         with_unit(summary.max_speed_m_s, 6, " m/s") + "\n";
+  out += "path     " + in_prefixed(summary.path_length_m, "m") + "\n";
+  out += "end      x " + in_prefixed(summary.end.x_m, "m") + " (sigma " +
+         in_prefixed(summary.end.sigma_x_m, "m") + "), y " + in_prefixed(summary.end.y_m, "m") +
+         " (sigma " + in_prefixed(summary.end.sigma_y_m, "m") + ")\n";
+  out += "speed    mean " + in_prefixed(summary.mean_speed_m_s, "m/s") + ", max " +
+         in_prefixed(summary.max_speed_m_s, "m/s") + "\n";
   out += "quality  mean ZNCC " + with_unit(summary.mean_zncc, 4, "") + ", median Q " +
          with_unit(summary.median_q, 2, "") + "\n";
   if (summary.interrupted)

@@ -75,6 +75,7 @@ TEST(ParseCalibration, RefusesWithFileLineAndKey) {
       {with("[camera]", "[sensor]"), "c.toml:8:"},
       {with("sc_y_ratio = 2", "sc_y_ratio = 2\nsc_y_ratio = 3"), "c.toml:8:"},
       {with("sc_y_ratio = 2", "sc_y_ratio ="), "c.toml:7:"},
+      {with("[camera]", "\xC3\xA9 = 1\n[camera]"), "c.toml:8:"},
       {kGood.substr(0, 60), "c.toml:"},
       {"", "c.toml: "},
       {"sensor = 3\ncamera = 4\nschema = \"lsv.calibration/1\"\n", "c.toml:1: sensor must be"},

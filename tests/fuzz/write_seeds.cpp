@@ -43,6 +43,8 @@ void write_hostile(const fs::path& folder, const fs::path& scratch) {
       write_image(folder, file.path.filename().string(), bytes);
     if (file.role == lsv::test::HostileRole::timestamps)
       lsv::test::write_bytes(folder / "timestamps" / file.path.filename(), bytes);
+    if (file.role == lsv::test::HostileRole::calibration)
+      lsv::test::write_bytes(folder / "calibration" / file.path.filename(), bytes);
   }
 }
 
@@ -65,7 +67,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   const fs::path folder = argv[1];
-  for (const char* target : {"image_decode", "tiff_stack", "timestamps", "option_text"})
+  for (const char* target :
+       {"image_decode", "tiff_stack", "timestamps", "option_text", "calibration"})
     fs::create_directories(folder / target);
   const fs::path scratch = lsv::test::fresh_folder(folder, "scratch");
   write_images(folder, scratch);

@@ -17,8 +17,11 @@ class HostileSet {
            bool valid = false) {
     const fs::path path = folder_ / name;
     write_bytes(path, bytes);
-    files_.push_back({path, what, std::move(args), role, valid});
+    files_.push_back({path, what, std::move(args), role, valid, false});
   }
+
+  /// The one added last is a mistake on the command line, not in the file.
+  void last_is_bad_usage() { files_.back().bad_usage = true; }
 
   void add_text(const std::string& name, const std::string& text, const std::string& what,
                 HostileRole role, bool valid = false) {
@@ -175,11 +178,15 @@ void add_lying_raw(HostileSet& set) {
   };
   add("half_frame.raw", "64x64:mono8", "one frame and a half");
   add("header.raw", "64x64:mono8:100000", "a header longer than the file");
-  add("zero.raw", "0x64:mono8", "no columns");
-  add("huge.raw", "65535x65535:mono16", "65535 x 65535");
-  add("word.raw", "64x48:mono9", "an unknown pixel word");
   add("depth.raw", "64x48:mono10", "words above 10 bits");
+  add("zero.raw", "0x64:mono8", "no columns");
+  set.last_is_bad_usage();
+  add("huge.raw", "65535x65535:mono16", "65535 x 65535");
+  set.last_is_bad_usage();
+  add("word.raw", "64x48:mono9", "an unknown pixel word");
+  set.last_is_bad_usage();
   set.add("no_format.raw", frame_and_a_half, "raw without --raw");
+  set.last_is_bad_usage();
   set.add("empty.raw", {}, "no byte at all", {"--raw", "64x64:mono8"});
 }
 

@@ -18,7 +18,8 @@ struct HostileFile {
   std::string what;
   std::vector<std::string> args;  // for the command line, e.g. {"--raw", "64x64:mono8"}
   HostileRole role = HostileRole::frames;
-  bool valid = false;  // looks odd but must be accepted
+  bool valid = false;      // looks odd but must be accepted
+  bool bad_usage = false;  // what is wrong was typed: exit code 2, and the file is not to blame
 };
 
 /// Writes the whole set into `folder`, which exists and is empty.

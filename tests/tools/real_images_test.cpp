@@ -71,7 +71,10 @@ TEST_F(RealImages, AShiftBeyondTheRangeIsFlaggedAndFoundWhenAllowed) {
   const auto narrow = track(pair);
   EXPECT_EQ(narrow.exit_code, 4);
   EXPECT_NE(test::CsvTable(narrow.out).text(0, "status"), "ok");
-  const auto wide = track({pair[0], pair[1], "--max-shift", "200"});
+  // More than half of the second image is blank white.
+  const auto blank = track({pair[0], pair[1], "--max-shift", "200"});
+  EXPECT_EQ(test::CsvTable(blank.out).text(0, "status"), "saturated");
+  const auto wide = track({pair[0], pair[1], "--max-shift", "200", "--max-saturated", "0.9"});
   ASSERT_EQ(wide.exit_code, 0) << wide.err;
   const test::CsvTable row(wide.out);
   // The strip that the shift uncovers is blank, which pulls on the peak by up to 0.1 px.

@@ -107,9 +107,9 @@ TEST(Summary, TextForAPersonHasUnits) {
             "frames   5, 2 missing\n"
             "shifts   2 ok, 2 rejected (50.00 %): 1 dark, 1 below_q_gate\n"
             "time     0.040 s, position held for 0.020 s\n"
-            "path     0.004472 m\n"
-            "end      x 0.002000 m (sigma 0.000010 m), y -0.004000 m (sigma 0.000020 m)\n"
-            "speed    mean 0.223607 m/s, max 0.223607 m/s\n"
+            "path     4.472 mm\n"
+            "end      x 2.000 mm (sigma 10.00 um), y -4.000 mm (sigma 20.00 um)\n"
+            "speed    mean 223.6 mm/s, max 223.6 mm/s\n"
             "quality  mean ZNCC 0.8750, median Q 9.52\n");
 }
 

@@ -73,6 +73,8 @@ inline RunInfo sample_run() {
   info.time_base = "1000 Hz";
   info.max_shift = {32, 24};
   info.config.correlation.peak_fit = PeakFit::gaussian3;
+  info.config.gate.min_zncc = 0.25;
+  info.config.gate.min_q = 6.0;
   Calibration& calibration = info.config.calibration;
   calibration.sensor_name = "LSV-01";
   calibration.pixel_pitch_x_m = 14e-6;
