@@ -117,7 +117,7 @@ std::optional<Maximum> fit_sinc(const CorrelationPlane& plane, int lag_dx_px, in
   if (radius < kMinSincRadius) return start;
   if (!start) start = Maximum{};
   constexpr int kMaxSteps = 12;
-  constexpr double kConverged_px = 1e-7;
+  constexpr double kConverged_px = 1e-4;  // Newton: the step after one of 1e-4 is about 1e-8
   Maximum top = *start;
   for (int step = 0; step < kMaxSteps; ++step) {
     const SurfacePoint at = sinc_surface(plane, lag_dx_px, lag_dy_px, radius, lag_dx_px + top.dx_px,
