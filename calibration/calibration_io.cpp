@@ -3,20 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <optional>
 #include <span>
 #include <sstream>
 
 #include "calibration/sha256.h"
+#include "calibration/text_file.h"
 #include "calibration/toml.h"
 
 namespace lsv {
 namespace {
 
 constexpr std::string_view kSchema = "lsv.calibration/1";
-constexpr std::uintmax_t kMaxFile_bytes = 1 << 20;
 
 enum class Range { positive, not_negative };
 
@@ -144,16 +142,9 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
 }
 
 Result<Calibration> load_calibration(const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status))
-    return Error{ErrorCode::bad_input, path + ": there is no such calibration file"};
-  if (std::filesystem::file_size(path, status) > kMaxFile_bytes || status)
-    return Error{ErrorCode::bad_input, path + ": larger than 1 MiB, so not a calibration file"};
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file || !text) return Error{ErrorCode::bad_input, path + ": cannot be read"};
-  return parse_calibration(text.str(), path);
+  const Result<std::string> text = read_text_file(path, "calibration");
+  if (!text) return text.error();
+  return parse_calibration(text.value(), path);
 }
 
 }  // namespace lsv

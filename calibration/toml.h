@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The one way to include toml++: header-only, errors as values, and without the undefined
 // behaviour that its classification of non-ASCII characters has in 3.3: a letter such as e-acute
-// outside quotes reaches an "unreachable" (found by fuzz_calibration). That header is included first
-// with the macro made to answer "no", which leads to an ordinary parse error.
+// outside quotes reaches an "unreachable" (found by fuzz_calibration). That header is included
+// first with the macro made to answer "no", which leads to an ordinary parse error.
 #pragma once
 
 #define TOML_HEADER_ONLY 1

@@ -182,7 +182,8 @@ Result<void> SpeckleCamera::render(std::int64_t frame, const PatternMotion& moti
 void SpeckleCamera::expose(std::int64_t frame, const PatternMotion& motion) {
   const double path_x_px = motion.vx_px_per_frame * config_.exposure_ratio;
   const double path_y_px = motion.vy_px_per_frame * config_.exposure_ratio;
-  const auto reach = static_cast<double>(weights_.size() / 2);
+  const std::size_t half_width = weights_.size() / 2;
+  const auto reach = static_cast<double>(half_width);
   std::fill(samples_.begin(), samples_.end(), 0.0);
   for (const auto& [time_ratio, weight] :
        exposure_nodes(std::hypot(path_x_px, path_y_px) * samples_per_px_, s_samples_)) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `lsv budget`: does this machine keep up with a camera of a given rate and frame size?
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -16,6 +15,7 @@
 #include "tools/commands.h"
 #include "tools/cpu_model.h"
 #include "tools/interrupt.h"
+#include "tools/size_option.h"
 
 namespace lsv::cli {
 namespace {
@@ -47,16 +47,6 @@ struct BudgetOptions {
 };
 
 Error usage(std::string message) { return {ErrorCode::invalid_argument, std::move(message)}; }
-
-Result<void> parse_size(const std::string& text, sim::SpeckleConfig& camera) {
-  const char* const end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, camera.width_px);
-  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-    const auto height = std::from_chars(width.ptr + 1, end, camera.height_px);
-    if (height.ec == std::errc() && height.ptr == end) return {};
-  }
-  return usage("--size is \"" + text + "\" but must be WIDTHxHEIGHT, such as 128x128");
-}
 
 Result<sim::SpeckleConfig> simulated_camera(const BudgetOptions& options) {
   if (!(options.rate_hz > 0.0 && options.rate_hz <= 1e6))

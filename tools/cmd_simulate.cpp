@@ -2,7 +2,6 @@
 // `lsv simulate speckle`: simulated frames on disk, with the true motion beside them.
 #include <unistd.h>
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -19,6 +18,7 @@
 #include "sim/speckle.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/size_option.h"
 
 namespace lsv::cli {
 namespace {
@@ -57,16 +57,6 @@ Error usage(std::string message) { return {ErrorCode::invalid_argument, std::mov
 
 Error disk_error(const fs::path& path, const std::error_code& code) {
   return {ErrorCode::output_failed, "cannot write " + path.string() + ": " + code.message()};
-}
-
-Result<void> parse_size(const std::string& text, sim::SpeckleConfig& camera) {
-  const char* end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, camera.width_px);
-  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-    const auto height = std::from_chars(width.ptr + 1, end, camera.height_px);
-    if (height.ec == std::errc() && height.ptr == end) return {};
-  }
-  return usage("--size is \"" + text + "\" but must be WIDTHxHEIGHT, such as 128x128");
 }
 
 bool names_tiff_stack(const std::string& output) {

@@ -5,16 +5,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
+#include "calibration/text_file.h"
 #include "calibration/toml.h"
 
 namespace lsv::cli {
 namespace {
-
-constexpr std::uintmax_t kMaxFile_bytes = 1 << 20;
 
 std::string environment_name(const std::string& key) {
   std::string out = "LSV_";
@@ -116,15 +113,9 @@ Result<void> Settings::apply(Entry& entry, const std::string& text, const std::s
 }
 
 Result<void> Settings::read_file(const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status))
-    return Error{ErrorCode::bad_input, path + ": there is no such configuration file"};
-  if (std::filesystem::file_size(path, status) > kMaxFile_bytes || status)
-    return Error{ErrorCode::bad_input, path + ": larger than 1 MiB, so not a configuration"};
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream content;
-  content << file.rdbuf();
-  const toml::parse_result parsed = toml::parse(content.str());
+  const Result<std::string> content = read_text_file(path, "configuration");
+  if (!content) return content.error();
+  const toml::parse_result parsed = toml::parse(content.value());
   const auto at = [&](const toml::source_region& where) {
     return path + ":" + std::to_string(where.begin.line);
   };

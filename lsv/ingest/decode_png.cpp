@@ -104,11 +104,11 @@ Result<void> decode_grey(const EncodedImage& in, spng_ctx* context, const spng_i
     format.bit_depth = in.options.bit_depth.value_or(16);
   }
   out.reset(format);
-  const auto rows = read_rows(in, context, out);
+  auto rows = read_rows(in, context, out);
   if (!rows || header.bit_depth != 16 || in.options.bit_depth) return rows;
   const int bits = significant_bits(context);
   if (bits >= 16) return rows;
-  const auto scaled = undo_scaling(in, bits, out);
+  auto scaled = undo_scaling(in, bits, out);
   if (!scaled) return scaled;
   format.bit_depth = std::max(10, bit_depth_for((1 << bits) - 1));
   out.reset(format);  // the pixels stay: only the depth changes

@@ -64,7 +64,7 @@ class SelectedSource : public FrameSource {
         roi_(options.roi) {}
 
   Result<void> open() {
-    const auto planned = plan();
+    auto planned = plan();
     if (!planned) return planned;
     const auto read = advance(first_);
     if (!read) return read.error();

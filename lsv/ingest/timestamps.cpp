@@ -148,7 +148,7 @@ class TableParser {
       return error_here("has " + std::to_string(fields.size()) + " columns where the header has " +
                         std::to_string(columns_->count));
     }
-    const auto time = take_time(fields[columns_->time]);
+    auto time = take_time(fields[columns_->time]);
     if (!time || !columns_->frame) return time;
     return take_frame(fields[*columns_->frame]);
   }

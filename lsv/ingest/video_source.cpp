@@ -60,9 +60,9 @@ std::string printable(std::string text) {
 
 class VideoSource : public FrameStream {
  public:
-  VideoSource(std::string path, cv::VideoCapture video, std::int64_t max_pixels)
+  VideoSource(std::string path, const cv::VideoCapture& video, std::int64_t max_pixels)
       : path_(std::move(path)),
-        video_(std::move(video)),
+        video_(video),
         max_pixels_(max_pixels),
         declared_count_(video_.get(cv::CAP_PROP_FRAME_COUNT)) {
     const std::string codec = four_characters(video_.get(cv::CAP_PROP_FOURCC));
@@ -190,7 +190,7 @@ Result<std::unique_ptr<FrameStream>> open_video(const std::string& path, std::in
                                "squeeze; extract the frames as 16-bit PNG or TIFF");
     }
     return std::unique_ptr<FrameStream>(
-        std::make_unique<VideoSource>(path, std::move(video), max_pixels));
+        std::make_unique<VideoSource>(path, video, max_pixels));
   } catch (const std::exception& error) {
     return bad_image(path, std::string("cannot be opened as a video: ") + error.what());
   }

@@ -394,7 +394,7 @@ bool same_pixels(const FrameView& frame, const TestImage& image) {
 }
 
 std::filesystem::path fresh_folder(const std::filesystem::path& base, const std::string& name) {
-  const auto folder = base / (name + "." + std::to_string(::getpid()));
+  auto folder = base / (name + "." + std::to_string(::getpid()));
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

@@ -24,8 +24,8 @@ class RealImages : public testing::Test {
 
 test::ProgramResult track(std::vector<std::string> args) {
   args.insert(args.begin(), {LSV_PROGRAM, "track"});
-  args.insert(args.end(), {"--rate-hz", "1000", "--calibration",
-                           LSV_SOURCE_DIR "/sample_frames/calibration.toml", "--csv", "-", "-q"});
+  const std::string calibration = LSV_SOURCE_DIR "/sample_frames/calibration.toml";
+  args.insert(args.end(), {"--rate-hz", "1000", "--calibration", calibration, "--csv", "-", "-q"});
   return test::run_program(args);
 }
 
