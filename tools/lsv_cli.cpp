@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The program `lsv`: parses the command line and hands over to one subcommand.
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <opencv2/core/utils/logger.hpp>
@@ -25,6 +26,22 @@ int report_error(const Error& error) {
 
 namespace {
 
+/// CLI11 says only that a command is missing when one is misspelt; this names it.
+Result<void> check_command_words(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* level = &app;
+  for (int i = 1; i < argc && argv[i][0] != '-' && level->get_require_subcommand_min() > 0; ++i) {
+    const auto commands = level->get_subcommands([](const CLI::App*) { return true; });
+    const auto known = std::find_if(commands.begin(), commands.end(),
+                                    [&](const CLI::App* c) { return c->get_name() == argv[i]; });
+    if (known == commands.end()) {
+      return Error{ErrorCode::invalid_argument,
+                   "'" + std::string(argv[i]) + "' is not a command; lsv --help lists them"};
+    }
+    level = *known;
+  }
+  return {};
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"lsv: laser speckle velocimetry - camera frames in, calibrated track out"};
   app.set_version_flag("--version", "lsv " LSV_VERSION);
@@ -34,6 +51,8 @@ int run(int argc, char** argv) {
   add_info_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_budget_command(app, exit_code);
+  if (const Result<void> words = check_command_words(app, argc, argv); !words)
+    return report_error(words.error());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -69,7 +69,8 @@ TEST(Program, EveryCommandHasHelpWithAnExample) {
 
 TEST(Program, UsageErrorsAreOneLineAndExitCodeTwo) {
   expect_one_line_error(lsv_run({}), 2, "lsv --help");
-  expect_one_line_error(lsv_run({"trakc"}), 2, "trakc");
+  expect_one_line_error(lsv_run({"trakc"}), 2, "'trakc' is not a command");
+  expect_one_line_error(lsv_run({"simulate", "spekle"}), 2, "'spekle' is not a command");
   expect_one_line_error(lsv_run({"track", "--no-such-flag", kStack}), 2, "no-such-flag");
   expect_one_line_error(track({}), 2, "no frames");
   expect_one_line_error(lsv_run({"track", kStack, "--calibration", kCalibration}), 2, "--rate-hz");
