@@ -17,8 +17,8 @@
 #include "lsv/core/config.h"
 #include "lsv/core/frame.h"
 #include "lsv/core/result.h"
-#include "lsv/integrate.h"
 #include "lsv/core/step_report.h"
+#include "lsv/integrate.h"
 
 namespace lsv {
 

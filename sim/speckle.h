@@ -42,9 +42,9 @@ struct SpeckleConfig {
   /// n frames it is rho^n. 1 = no boiling.
   double rho = 1.0;
 
-  int bit_depth = 8;                           // 8, 10, 12 or 16
-  std::optional<double> mean_signal_counts{};  // speckle without camera noise; unset: 60/255 of
-                                               // full scale
+  int bit_depth = 8;                            // 8, 10, 12 or 16
+  std::optional<double> mean_signal_counts{};   // speckle without camera noise; unset: 60/255 of
+                                                // full scale
   double noise_mean_counts = 3.0;               // dark level
   double noise_sd_counts = 0.5;                 // Gaussian, independent per pixel and frame
   std::optional<double> full_well_electrons{};  // signal at full scale; unset: no shot noise

@@ -7,6 +7,7 @@
 
 #include "calibration/calibration_io.h"
 #include "lsv/odometer.h"
+#include "lsv/output/number_text.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/progress.h"
@@ -123,13 +124,39 @@ Result<int> track(TrackCommand& command) {
   return exit_code_of(summary, settings.max_rejected_share);
 }
 
+/// The settings that come from the calibration file, as comments of the printed configuration.
+std::string calibration_comment(const Calibration& calibration, const std::string& path) {
+  const std::pair<const char*, double> numbers[] = {
+      {"pixel_pitch_x_m", calibration.pixel_pitch_x_m},
+      {"pixel_pitch_y_m", calibration.pixel_pitch_y_m},
+      {"sc_x_ratio", calibration.sc_x_ratio},
+      {"sc_y_ratio", calibration.sc_y_ratio},
+      {"noise_mean_counts", calibration.noise_mean_counts},
+      {"noise_sd_counts", calibration.noise_sd_counts}};
+  std::string out;
+  for (const auto& [key, value] : numbers) {
+    out += std::string("# calibration: ") + key + " = ";
+    append_shortest(out, value);
+    out += "  # " + path + "\n";
+  }
+  return out;
+}
+
+int print_config(TrackCommand& command) {
+  std::string text = command.settings.to_toml();
+  if (!command.track.calibration_path.empty()) {
+    if (Result<void> loaded = load_calibration_into(command.track); !loaded)
+      return report_error(loaded.error());
+    text += calibration_comment(command.track.config.calibration, command.track.calibration_path);
+  }
+  std::fputs(text.c_str(), stdout);
+  return std::fflush(stdout) == 0 ? kExitOk : kExitOutputFailed;
+}
+
 int run(TrackCommand& command) {
   if (Result<void> resolved = command.settings.resolve(command.config_path); !resolved)
     return report_error(resolved.error());
-  if (command.print_config) {
-    std::fputs(command.settings.to_toml().c_str(), stdout);
-    return std::fflush(stdout) == 0 ? kExitOk : kExitOutputFailed;
-  }
+  if (command.print_config) return print_config(command);
   const Result<int> tracked = track(command);
   return tracked ? tracked.value() : report_error(tracked.error());
 }

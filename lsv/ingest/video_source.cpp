@@ -189,8 +189,7 @@ Result<std::unique_ptr<FrameStream>> open_video(const std::string& path, std::in
                                "has more than 8 bits per pixel, which the video decoder would "
                                "squeeze; extract the frames as 16-bit PNG or TIFF");
     }
-    return std::unique_ptr<FrameStream>(
-        std::make_unique<VideoSource>(path, video, max_pixels));
+    return std::unique_ptr<FrameStream>(std::make_unique<VideoSource>(path, video, max_pixels));
   } catch (const std::exception& error) {
     return bad_image(path, std::string("cannot be opened as a video: ") + error.what());
   }

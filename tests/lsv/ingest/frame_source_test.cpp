@@ -172,8 +172,7 @@ TEST_F(FrameSourceTest, NothingThereIsNamed) {
   expect_error(read_frames({path("none*.png")}, kNoTime), ErrorCode::bad_input, "none*.png");
   expect_error(read_frames({}, kNoTime), ErrorCode::invalid_argument, "no frames");
   expect_error(read_frames({""}, kNoTime), ErrorCode::invalid_argument, "no frames");
-  expect_error(read_frames({text_file("a.xyz", "?")}, kNoTime), ErrorCode::unsupported,
-               "a.xyz");
+  expect_error(read_frames({text_file("a.xyz", "?")}, kNoTime), ErrorCode::unsupported, "a.xyz");
 }
 
 TEST_F(FrameSourceTest, SpecialFilesNeitherHangNorPass) {
