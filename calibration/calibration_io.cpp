@@ -2,7 +2,6 @@
 #include "calibration/calibration_io.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -16,22 +15,22 @@ namespace {
 
 constexpr std::string_view kSchema = "lsv.calibration/1";
 
-enum class Range { positive, not_negative };
-
 struct NumberKey {
   const char* section;
   const char* key;
   double Calibration::*member;
-  Range range;
+  // Beyond these bounds a number is a slip, such as 14 for 14e-6.
+  double lowest;
+  double highest;
 };
 
 constexpr NumberKey kNumbers[] = {
-    {"sensor", "pixel_pitch_x_m", &Calibration::pixel_pitch_x_m, Range::positive},
-    {"sensor", "pixel_pitch_y_m", &Calibration::pixel_pitch_y_m, Range::positive},
-    {"sensor", "sc_x_ratio", &Calibration::sc_x_ratio, Range::positive},
-    {"sensor", "sc_y_ratio", &Calibration::sc_y_ratio, Range::positive},
-    {"camera", "noise_mean_counts", &Calibration::noise_mean_counts, Range::not_negative},
-    {"camera", "noise_sd_counts", &Calibration::noise_sd_counts, Range::not_negative},
+    {"sensor", "pixel_pitch_x_m", &Calibration::pixel_pitch_x_m, 1e-8, 1e-2},
+    {"sensor", "pixel_pitch_y_m", &Calibration::pixel_pitch_y_m, 1e-8, 1e-2},
+    {"sensor", "sc_x_ratio", &Calibration::sc_x_ratio, 1e-4, 1e4},
+    {"sensor", "sc_y_ratio", &Calibration::sc_y_ratio, 1e-4, 1e4},
+    {"camera", "noise_mean_counts", &Calibration::noise_mean_counts, 0.0, 65535.0},
+    {"camera", "noise_sd_counts", &Calibration::noise_sd_counts, 0.0, 65535.0},
 };
 
 /// Reads one document and remembers its name for messages.
@@ -112,12 +111,10 @@ class Reader {
     if (node == nullptr) return missing(key);
     if (!node->is_number()) return at(node->source(), key + " must be a number");
     const double value = *node->value<double>();
-    const bool in_range =
-        std::isfinite(value) && (entry.range == Range::positive ? value > 0.0 : value >= 0.0);
-    if (!in_range) {
+    if (!(value >= entry.lowest && value <= entry.highest)) {
       std::ostringstream sentence;
-      sentence << key << " is " << value << " but must be finite and "
-               << (entry.range == Range::positive ? "above zero" : "zero or more");
+      sentence << key << " is " << value << " but must be between " << entry.lowest << " and "
+               << entry.highest;
       return at(node->source(), sentence.str());
     }
     out.*entry.member = value;

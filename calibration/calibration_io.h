@@ -4,13 +4,14 @@
 //   schema = "lsv.calibration/1"
 //   [sensor]
 //   name = "..."                 # free text
-//   pixel_pitch_x_m = 14e-6      # > 0
-//   pixel_pitch_y_m = 14e-6      # > 0
-//   sc_x_ratio = 1.985           # > 0, pattern shift on the sensor / surface travel
-//   sc_y_ratio = 2.000           # > 0
+//   pixel_pitch_x_m = 14e-6      # 1e-8 .. 1e-2
+//   pixel_pitch_y_m = 14e-6      # 1e-8 .. 1e-2
+//   sc_x_ratio = 1.985           # 1e-4 .. 1e4, pattern shift on the sensor / surface travel
+//   sc_y_ratio = 2.000           # 1e-4 .. 1e4
 //   [camera]
-//   noise_mean_counts = 3.0      # >= 0, dark level
-//   noise_sd_counts = 0.5        # >= 0, temporal noise of a pixel; 0 only for noise-free frames
+//   noise_mean_counts = 3.0      # 0 .. 65535, dark level
+//   noise_sd_counts = 0.5        # 0 .. 65535, temporal noise of a pixel; 0 only for noise-free
+//   frames
 //
 // Every key is required and no other is allowed. An error names file, line and key; there is no
 // fallback calibration.

@@ -14,7 +14,9 @@ Displacement displacement(const Shift& shift, const PixelScale& scale) {
   return {.x_m = shift.dx_px * scale.x_m_per_px,
           .y_m = shift.dy_px * scale.y_m_per_px,
           .sigma_x_m = std::sqrt(shift.cov.xx_px2) * scale.x_m_per_px,
-          .sigma_y_m = std::sqrt(shift.cov.yy_px2) * scale.y_m_per_px};
+          .sigma_y_m = std::sqrt(shift.cov.yy_px2) * scale.y_m_per_px,
+          .model_sigma_x_m = shift.model_sigma_x_px * scale.x_m_per_px,
+          .model_sigma_y_m = shift.model_sigma_y_px * scale.y_m_per_px};
 }
 
 SensorVelocity velocity(const Displacement& travel, double dt_s) {

@@ -28,6 +28,8 @@ struct Displacement {
   double y_m = kUnknown;
   double sigma_x_m = kUnknown;
   double sigma_y_m = kUnknown;
+  double model_sigma_x_m = 0.0;  // part of sigma_x_m that repeats with the motion, see Shift
+  double model_sigma_y_m = 0.0;
 };
 
 /// NaN where the shift is NaN.

@@ -74,7 +74,6 @@ double zncc_at(const PreparedFrame& earlier, const PreparedFrame& later, int dx_
   const double n = static_cast<double>(width) * height;
   const double spread_a = sum_aa - sum_a * sum_a / n;
   const double spread_b = sum_bb - sum_b * sum_b / n;
-  constexpr double kConstantVariance_counts2 = 1e-6;
   if (std::min(spread_a, spread_b) <= n * kConstantVariance_counts2) return 0.0;
   return (sum_ab - sum_a * sum_b / n) / std::sqrt(spread_a * spread_b);
 }

@@ -14,10 +14,11 @@ double overlap_px(const FrameFormat& format, const Peak& peak) {
 
 }  // namespace
 
-Shift measure_shift(Correlator& correlator, const ErrorModel& model, const PreparedFrame& earlier,
-                    const PreparedFrame& later, CorrelationPlane& plane) {
+Shift measure_shift(Correlator& correlator, PeakFit fit, const ErrorModel& model,
+                    const PreparedFrame& earlier, const PreparedFrame& later,
+                    CorrelationPlane& plane) {
   correlator.correlate(earlier, later, plane);
-  const Peak peak = find_peak(plane, model.fit);
+  const Peak peak = find_peak(plane, fit);
   const double overlap = overlap_px(correlator.format(), peak);
   std::optional<double> zncc;
   if (model.engine == Engine::cross || model.engine == Engine::phase)
@@ -28,7 +29,11 @@ Shift measure_shift(Correlator& correlator, const ErrorModel& model, const Prepa
   if (out.status != ShiftStatus::ok) return out;
   out.dx_px = peak.dx_px;
   out.dy_px = peak.dy_px;
-  out.cov = shift_covariance(peak, out.quality.zncc, earlier.stats, later.stats, overlap, model);
+  const ShiftError error =
+      shift_error(peak, out.quality.zncc, earlier.stats, later.stats, overlap, model);
+  out.cov = error.cov;
+  out.model_sigma_x_px = error.model_sigma_x_px;
+  out.model_sigma_y_px = error.model_sigma_y_px;
   return out;
 }
 

@@ -11,7 +11,8 @@
 namespace lsv {
 
 /// Does not allocate. `plane` is left holding the correlation plane of this pair.
-Shift measure_shift(Correlator& correlator, const ErrorModel& model, const PreparedFrame& earlier,
-                    const PreparedFrame& later, CorrelationPlane& plane);
+Shift measure_shift(Correlator& correlator, PeakFit fit, const ErrorModel& model,
+                    const PreparedFrame& earlier, const PreparedFrame& later,
+                    CorrelationPlane& plane);
 
 }  // namespace lsv

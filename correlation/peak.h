@@ -2,13 +2,15 @@
 // The one sub-pixel implementation: the highest lag of a plane and a model of the surface around
 // it.
 //   sinc        the plane is band-limited like the images, so it is interpolated with a
-//               Gaussian-windowed sinc over up to 13 x 13 lags and its maximum found by Newton
+//               Gaussian-windowed sinc over up to 17 x 17 lags and its maximum found by Newton
 //               steps. The default: nothing is assumed about the shape of the peak, which is
 //               narrow and broad at once on textured ground.
 //   gaussian2d  log plane = quadratic in (dx, dy) with cross term, least squares over 3 x 3 lags
 //   gaussian3   separable: log parabola through 3 lags per axis
 //   parabola3   separable: parabola through 3 lags per axis
-// Near the edge of the plane sinc takes fewer lags; with fewer than 2 on a side it is gaussian2d.
+// sinc gives way to gaussian2d where it does not apply: with fewer than 5 lags between the peak and
+// the edge of the plane, and on a peak so narrow (speckle of about 2 px and less) that the plane is
+// sampled too coarsely, where interpolation is pulled towards whole lags.
 #pragma once
 
 #include "correlation/correlator.h"
@@ -27,6 +29,7 @@ struct PeakShape {
 
 struct Peak {
   ShiftStatus status = ShiftStatus::flat_peak;  // ok, peak_at_border or flat_peak
+  PeakFit fit = PeakFit::sinc;                  // the model that was used
   int lag_dx_px = 0;                            // the highest whole lag, always set
   int lag_dy_px = 0;
   double lag_value = kUnknown;  // the plane there

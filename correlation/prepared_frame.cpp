@@ -9,10 +9,6 @@
 namespace lsv {
 namespace {
 
-/// A region whose mean square is below this fraction of a squared count holds no pattern: an
-/// 8-bit frame that differs in a single pixel has more.
-constexpr double kConstantVariance_counts2 = 1e-6;
-
 kernels::RowSums sum_row(const FrameView& frame, int y_px) {
   const auto n = static_cast<std::size_t>(frame.width_px());
   const int full_scale = full_scale_counts(frame.format.bit_depth);
@@ -95,6 +91,8 @@ OverlapTables OverlapSums::make_tables() const {
 void OverlapSums::fill(std::span<const double> column_sums, std::span<const double> column_squares,
                        PreparedFrame& out) {
   const auto width = static_cast<std::size_t>(format_.width_px);
+  full_spread_counts2_ =
+      out.stats.sd_counts * out.stats.sd_counts * format_.width_px * format_.height_px;
   for (const int side : {+1, -1}) {
     std::copy_n(column_sums.data(), width, column_sums_.data());
     std::copy_n(column_squares.data(), width, column_squares_.data());
@@ -126,7 +124,9 @@ void OverlapSums::fill_row(int dy_px, PreparedFrame& out) {
   const int rows_kept = format_.height_px - std::abs(dy_px);
   const std::size_t lag_count = lag_sums_.size();
   const std::size_t at = static_cast<std::size_t>(dy_px + lags_.max_dy_px) * lag_count;
-  const double min_spread = kConstantVariance_counts2 * rows_kept * (width - lags_.max_dx_px);
+  const double min_spread =
+      std::max(kConstantVariance_counts2 * rows_kept * (width - lags_.max_dx_px),
+               kMinEnergyFraction * full_spread_counts2_);
   kernels::overlap_terms(lag_sums_.data(), lag_squares_.data(), inv_root_cols_.data(),
                          1.0 / std::sqrt(static_cast<double>(rows_kept)), min_spread, lag_count,
                          out.overlap.mean_root.data() + at, out.overlap.inv_norm.data() + at);

@@ -41,6 +41,12 @@ struct PreparedFrame {
   }
 };
 
+/// A region whose variance is below this holds no pattern; the fraction keeps single-precision
+/// correlation sums, whose error goes with the energy of the whole frame, from being divided by
+/// next to nothing.
+inline constexpr double kConstantVariance_counts2 = 1e-6;
+inline constexpr double kMinEnergyFraction = 1e-5;
+
 /// True when both frames hold exactly the same pixels.
 bool identical_pixels(const PreparedFrame& a, const PreparedFrame& b);
 
@@ -71,6 +77,7 @@ class OverlapSums {
   AlignedBuffer<double> lag_sums_;
   AlignedBuffer<double> lag_squares_;
   AlignedBuffer<double> inv_root_cols_;  // 1 / sqrt(columns kept), for each dx
+  double full_spread_counts2_ = 0.0;     // of the frame at hand
 };
 
 }  // namespace lsv

@@ -65,20 +65,26 @@ Background background_of(const CorrelationPlane& plane, const PeakWindow& window
   return out;
 }
 
-/// Standard deviation of what a peak model gets wrong on clean speckle of 3 px or more in 128 x
-/// 128 px, measured with the simulator; it falls with the root of the pixels.
-double fit_error_px(PeakFit fit) {
-  switch (fit) {
-    case PeakFit::sinc:
-      return 0.9e-3;
-    case PeakFit::gaussian2d:
-      return 2.2e-3;
-    case PeakFit::gaussian3:
-      return 8e-3;
-    case PeakFit::parabola3:
-      return 20e-3;
-  }
-  return 20e-3;
+/// Standard deviation of what a peak model gets wrong on clean speckle, measured with the
+/// simulator; it grows with the width of the peak and falls with the side of the frame.
+double fit_error_px(PeakFit fit, double width_variance_px2, double side_px) {
+  constexpr double kReferenceSide_px = 128.0;
+  constexpr double kPerWidth_1_px = 0.08e-3;
+  const auto at_reference = [fit] {
+    switch (fit) {
+      case PeakFit::sinc:
+        return 0.9e-3;
+      case PeakFit::gaussian2d:
+        return 2.2e-3;
+      case PeakFit::gaussian3:
+        return 8e-3;
+      case PeakFit::parabola3:
+        return 20e-3;
+    }
+    return 20e-3;
+  };
+  return std::hypot(at_reference(), kPerWidth_1_px * width_variance_px2) * kReferenceSide_px /
+         side_px;
 }
 
 /// What an engine adds because its plane is not the ZNCC of the overlap: the fall-off with the
@@ -126,9 +132,8 @@ ShiftQuality measure_quality(const CorrelationPlane& plane, const Peak& peak, do
   return out;
 }
 
-ShiftCovariance shift_covariance(const Peak& peak, double zncc, const FrameStats& earlier,
-                                 const FrameStats& later, double overlap_px,
-                                 const ErrorModel& model) {
+ShiftError shift_error(const Peak& peak, double zncc, const FrameStats& earlier,
+                       const FrameStats& later, double overlap_px, const ErrorModel& model) {
   constexpr double kSpeckleFactor = 1.6;
   constexpr double kQuantisationVariance_counts2 = 1.0 / 12.0;
   const double noise_variance =
@@ -144,14 +149,19 @@ ShiftCovariance shift_covariance(const Peak& peak, double zncc, const FrameStats
   const double per_w_px2 = (2.0 * noise_variance / signal_variance +
                             std::numbers::pi / 2.0 * decorrelation * width_px2(w)) /
                            overlap_px;
-  constexpr double kReferenceFrame_px = 128.0 * 128.0;
-  const double fit_px2 = std::pow(fit_error_px(model.fit), 2) * kReferenceFrame_px / overlap_px;
-  const auto variance = [&](double axis_px2) {
-    return per_w_px2 * axis_px2 + fit_px2 + std::pow(undersampling_error_px(axis_px2), 2) +
-           std::pow(engine_error_px(model.engine, axis_px2, std::sqrt(overlap_px)), 2);
+  const double side_px = std::sqrt(overlap_px);
+  const auto model_variance = [&](double axis_px2) {
+    return std::pow(fit_error_px(peak.fit, axis_px2, side_px), 2) +
+           std::pow(undersampling_error_px(axis_px2), 2) +
+           std::pow(engine_error_px(model.engine, axis_px2, side_px), 2);
   };
-  return {
-      .xx_px2 = variance(w.xx_px2), .xy_px2 = per_w_px2 * w.xy_px2, .yy_px2 = variance(w.yy_px2)};
+  const double model_x_px2 = model_variance(w.xx_px2);
+  const double model_y_px2 = model_variance(w.yy_px2);
+  return {.cov = {.xx_px2 = per_w_px2 * w.xx_px2 + model_x_px2,
+                  .xy_px2 = per_w_px2 * w.xy_px2,
+                  .yy_px2 = per_w_px2 * w.yy_px2 + model_y_px2},
+          .model_sigma_x_px = std::sqrt(model_x_px2),
+          .model_sigma_y_px = std::sqrt(model_y_px2)};
 }
 
 }  // namespace lsv

@@ -13,13 +13,20 @@ class Integrator {
  public:
   const SensorPosition& position() const { return position_; }
 
-  /// `travel` of one accepted shift; its error is taken as independent of the others'.
+  /// `travel` of one accepted shift. Its model error adds up as if it had the same sign every time
+  /// (true of a steady drive, cautious for others), the rest of its error as independent.
   void add(const Displacement& travel);
 
  private:
   SensorPosition position_;
-  double variance_x_m2_ = 0.0;
-  double variance_y_m2_ = 0.0;
+  struct Doubt {
+    double independent_m2 = 0.0;
+    double model_m = 0.0;
+  };
+  static double grow(Doubt& doubt, double sigma_m, double model_sigma_m);
+
+  Doubt doubt_x_;
+  Doubt doubt_y_;
 };
 
 }  // namespace lsv

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lsv/odometer.h"
 
+#include <new>
+#include <string>
 #include <utility>
 
 #include "correlation/measure.h"
@@ -10,9 +12,22 @@ namespace lsv {
 
 Result<Odometer> Odometer::create(const TrackConfig& config, const FrameFormat& format) {
   if (const Result<void> valid = validate(config); !valid) return valid.error();
-  Result<std::unique_ptr<Correlator>> correlator = make_correlator(config.correlation, format);
-  if (!correlator) return correlator.error();
-  return Odometer(config, std::move(correlator).value());
+  if (!is_possible(format)) {
+    return Error{ErrorCode::invalid_argument, "frames of " + std::to_string(format.width_px) +
+                                                  " x " + std::to_string(format.height_px) +
+                                                  " px with " + std::to_string(format.bit_depth) +
+                                                  " bit cannot be tracked"};
+  }
+  try {
+    Result<std::unique_ptr<Correlator>> correlator = make_correlator(config.correlation, format);
+    if (!correlator) return correlator.error();
+    return Odometer(config, std::move(correlator).value());
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::invalid_argument,
+                 "there is not enough memory for frames of " + std::to_string(format.width_px) +
+                     " x " + std::to_string(format.height_px) +
+                     " px with this search range: use --roi or a smaller --max-shift"};
+  }
 }
 
 Odometer::Odometer(const TrackConfig& config, std::unique_ptr<Correlator> correlator)
@@ -40,7 +55,10 @@ Result<StepReport> Odometer::push(const FrameView& frame) {
     integrator_.add(travel);
   }
   report.position = integrator_.position();
-  std::swap(earlier_, later_);
+  last_stamp_ = frame.stamp;
+  // A repeated frame was exposed when its first copy was: that one stays the reference, so that
+  // the next shift is divided by the time in which it came about.
+  if (report.shift.status != ShiftStatus::frozen) std::swap(earlier_, later_);
   return report;
 }
 
@@ -51,9 +69,9 @@ Shift Odometer::measure() {
   if (is_frozen(earlier_.frame, later_.frame, config_.gate, config_.calibration))
     return with_status({}, ShiftStatus::frozen);
   const ErrorModel model{.noise_sd_counts = config_.calibration.noise_sd_counts,
-                         .fit = config_.correlation.peak_fit,
                          .engine = config_.correlation.engine};
-  const Shift shift = measure_shift(*correlator_, model, earlier_.frame, later_.frame, plane_);
+  const Shift shift = measure_shift(*correlator_, config_.correlation.peak_fit, model,
+                                    earlier_.frame, later_.frame, plane_);
   return with_status(shift, judge_shift(shift, config_.gate));
 }
 
@@ -65,9 +83,12 @@ Result<void> Odometer::check(const FrameView& frame) const {
                                            std::to_string(frame.format.bit_depth) +
                                            " bit, unlike the frames before it"};
   }
-  if (earlier_.fitness != ShiftStatus::first_frame && frame.stamp <= earlier_.stamp) {
-    return Error{ErrorCode::bad_input,
-                 "the time stamp of frame " + std::to_string(frame.index) + " does not increase"};
+  if (earlier_.fitness == ShiftStatus::first_frame) return {};
+  std::int64_t dt_ns = 0;
+  const bool overflows = __builtin_sub_overflow(frame.stamp.ns, earlier_.stamp.ns, &dt_ns);
+  if (frame.stamp <= last_stamp_ || overflows) {
+    return Error{ErrorCode::bad_input, "the time stamp of frame " + std::to_string(frame.index) +
+                                           (overflows ? " is out of range" : " does not increase")};
   }
   return {};
 }

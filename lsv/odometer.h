@@ -24,7 +24,8 @@ namespace lsv {
 
 class Odometer {
  public:
-  /// invalid_argument when a setting is out of range or does not fit the frames.
+  /// invalid_argument when a setting is out of range or does not fit the frames, or memory is
+  /// short.
   static Result<Odometer> create(const TrackConfig& config, const FrameFormat& format);
 
   /// Frames in order of time. bad_input when the format differs from the one announced or the
@@ -54,6 +55,7 @@ class Odometer {
   CorrelationPlane plane_;
   Slot earlier_;
   Slot later_;
+  Stamp last_stamp_{};  // of the frame pushed last, frozen ones included
   Integrator integrator_;
 };
 

@@ -130,7 +130,10 @@ struct InfoCommand {
 };
 
 Result<void> describe(InfoCommand& command) {
-  if (Result<void> resolved = command.settings.resolve(""); !resolved) return resolved;
+  if (Result<void> resolved =
+          command.settings.resolve("", Settings::Variables::some_of_other_commands);
+      !resolved)
+    return resolved;
   command.source.need_time = false;
   Result<std::unique_ptr<FrameSource>> source = open_frames(command.frames, command.source);
   if (!source) return source.error();

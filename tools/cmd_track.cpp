@@ -2,8 +2,10 @@
 // lsv track: frames in, calibrated track out.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 #include "calibration/calibration_io.h"
 #include "lsv/odometer.h"
@@ -81,11 +83,29 @@ Result<void> track_frames(FrameSource& source, Odometer& odometer, TrackOutputs&
 int exit_code_of(const Summary& summary, double max_rejected_share) {
   if (summary.interrupted) return kExitInterrupted;
   if (summary.shifts_ok > 0 && summary.rejected_share <= max_rejected_share) return kExitOk;
+  const auto most_often =
+      std::max_element(summary.rejected.begin(), summary.rejected.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
   std::fprintf(
-      stderr, "lsv: %lld of %lld shifts were refused, more than --max-rejected %g allows\n",
+      stderr, "lsv: %lld of %lld shifts were refused (--max-rejected is %g), most often %s: %s\n",
       static_cast<long long>(summary.shifts_rejected),
-      static_cast<long long>(summary.shifts_rejected + summary.shifts_ok), max_rejected_share);
+      static_cast<long long>(summary.shifts_rejected + summary.shifts_ok), max_rejected_share,
+      word(most_often->first).data(), advice(most_often->first).data());
   return kExitLowQuality;
+}
+
+std::vector<std::string> inputs_of(const TrackCommand& command, const SourceInfo& source) {
+  std::vector<std::string> out = source.files;
+  for (const std::string& path : {command.track.calibration_path,
+                                  command.track.source.timestamps_path, command.config_path}) {
+    if (!path.empty()) out.push_back(path);
+  }
+  return out;
+}
+
+/// `error` with the input it is about.
+Error about(const std::string& input, const Error& error) {
+  return {error.code, input + ": " + error.message};
 }
 
 Result<int> track(TrackCommand& command) {
@@ -94,6 +114,8 @@ Result<int> track(TrackCommand& command) {
                  "no frames: name a folder, files, a TIFF stack or '-'; see lsv track --help"};
   }
   TrackSettings& settings = command.track;
+  if (!(settings.max_rejected_share >= 0.0 && settings.max_rejected_share <= 1.0))
+    return Error{ErrorCode::invalid_argument, "--max-rejected must be between 0 and 1"};
   if (Result<void> loaded = load_calibration_into(settings); !loaded) return loaded.error();
   Result<std::unique_ptr<FrameSource>> source = open_frames(command.frames, settings.source);
   if (!source) return source.error();
@@ -101,10 +123,10 @@ Result<int> track(TrackCommand& command) {
   for (const std::string& warning : info.warnings)
     std::fprintf(stderr, "lsv: warning: %s\n", warning.c_str());
   Result<Odometer> odometer = Odometer::create(settings.config, info.format);
-  if (!odometer) return odometer.error();
+  if (!odometer) return about(command.frames.front(), odometer.error());
   Result<TrackOutputs> outputs =
       TrackOutputs::open(command.outputs, run_info(settings, info, odometer.value().lags()),
-                         command.settings.to_toml());
+                         command.settings.to_toml(), inputs_of(command, info));
   if (!outputs) return outputs.error();
 
   catch_interrupts();
@@ -116,9 +138,14 @@ Result<int> track(TrackCommand& command) {
       return tracked.error();
   }
   if (!interrupted() && outputs.value().summary().frames < 2)
-    return Error{ErrorCode::bad_input, "a track needs at least two frames; there is only one"};
+    return Error{ErrorCode::bad_input,
+                 command.frames.front() + ": a track needs at least two frames; there is only one"};
   if (Result<void> finished = outputs.value().finish({.interrupted = interrupted()}); !finished)
     return finished.error();
+  if (outputs.value().lacks_report_frame()) {
+    std::fprintf(stderr,
+                 "lsv: warning: --report-frame: no pair ending at that frame was correlated\n");
+  }
   const Summary summary = outputs.value().summary();
   if (!command.quiet) std::fputs(summary_text(summary).c_str(), stderr);
   return exit_code_of(summary, settings.max_rejected_share);
@@ -180,7 +207,10 @@ void add_track_command(CLI::App& app, int& exit_code) {
       "      --calibration sample_frames/calibration.toml -o out\n"
       "Exit codes: 0 ok, 1 output not written, 2 usage, 3 input, 4 too many shifts refused, "
       "130 interrupted.");
-  sub->callback([command, &exit_code] { exit_code = run(*command); });
+  sub->callback([command, sub, &exit_code] {
+    const Result<void> named = refuse_empty_names(*sub);
+    exit_code = named ? run(*command) : report_error(named.error());
+  });
 }
 
 }  // namespace lsv::cli

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <opencv2/core/utils/logger.hpp>
 #include <string>
 
@@ -11,7 +12,11 @@
 namespace lsv::cli {
 
 int report_error(const Error& error) {
-  std::fprintf(stderr, "lsv: %s\n", error.message.c_str());
+  std::string line = error.message;  // file names may hold anything; the error stays one line
+  for (char& c : line) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+  }
+  std::fprintf(stderr, "lsv: %s\n", line.c_str());
   switch (error.code) {
     case ErrorCode::invalid_argument:
       return kExitUsage;
@@ -71,5 +76,10 @@ int main(int argc, char** argv) {
   // Video libraries talk on stderr by default; our one line per error is the only voice there.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
-  return lsv::cli::run(argc, argv);
+  try {
+    return lsv::cli::run(argc, argv);
+  } catch (const std::exception& error) {  // out of memory, above all
+    return lsv::cli::report_error(
+        {lsv::ErrorCode::output_failed, std::string("stopped by: ") + error.what()});
+  }
 }

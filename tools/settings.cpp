@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/settings.h"
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 
 #include "calibration/text_file.h"
 #include "calibration/toml.h"
+#include "lsv/output/number_text.h"
 
 namespace lsv::cli {
 namespace {
@@ -25,25 +28,20 @@ std::optional<std::string> as_text(const toml::node& node) {
   if (node.is_boolean()) return node.as_boolean()->get() ? "true" : "false";
   if (node.is_integer()) return std::to_string(node.as_integer()->get());
   if (!node.is_floating_point()) return std::nullopt;
-  std::ostringstream out;
-  out.precision(17);
-  out << node.as_floating_point()->get();
-  return out.str();
+  std::string out;
+  append_shortest(out, node.as_floating_point()->get());
+  return out;
 }
 
-bool reads_as_toml_number_or_bool(const std::string& text) {
-  if (text == "true" || text == "false") return true;
-  double ignored = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ignored);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(ignored);
-}
+enum Rank { kDefault, kFile, kEnvironment, kFlag };
 
-std::string toml_value(const std::string& text) {
-  if (reads_as_toml_number_or_bool(text)) return text;
-  std::ostringstream out;
-  out << toml::value<std::string>(text);
-  return out.str();
+std::string toml_number(double value) {
+  std::string out;
+  append_shortest(out, value);
+  return out;
 }
+std::string toml_number(std::int64_t value) { return std::to_string(value); }
+std::string toml_number(int value) { return std::to_string(value); }
 
 Error not_a(const char* kind, const std::string& text) {
   return {ErrorCode::invalid_argument, "'" + text + "' is not " + kind};
@@ -51,25 +49,29 @@ Error not_a(const char* kind, const std::string& text) {
 
 /// Reads the whole text as a Number and assigns it to the target, which may be an optional.
 template <typename Number, typename Target>
-Settings::Parse into(Target& target, const char* kind) {
-  return [&target, kind](const std::string& text) -> Result<void> {
-    Number value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return not_a(kind, text);
-    target = value;
-    return {};
-  };
+Settings::Parse into(Target& target, const char* type, const char* kind) {
+  return {type, [&target, kind](const std::string& text) -> Result<std::string> {
+            Number value{};
+            const auto [end, error] =
+                std::from_chars(text.data(), text.data() + text.size(), value);
+            if (error != std::errc() || end != text.data() + text.size()) return not_a(kind, text);
+            if constexpr (std::is_floating_point_v<Number>) {
+              if (!std::isfinite(value)) return not_a(kind, text);
+            }
+            target = value;
+            return toml_number(value);
+          }};
 }
 
 Settings::Parse yes_or_no(bool& target) {
-  return [&target](const std::string& text) -> Result<void> {
-    if (text != "true" && text != "false") return not_a("true or false", text);
-    target = text == "true";
-    return {};
-  };
+  return {"", [&target](const std::string& text) -> Result<std::string> {
+            if (text != "true" && text != "false") return not_a("true or false", text);
+            target = text == "true";
+            return text;
+          }};
 }
 
-constexpr const char* kNumber = "a number";
+constexpr const char* kNumber = "a finite number";
 constexpr const char* kWhole = "a whole number";
 
 }  // namespace
@@ -88,7 +90,7 @@ void Settings::add(CLI::App& command, const std::string& key, const std::string&
                    const std::string& help, const std::string& default_text, Parse parse) {
   Entry& entry = add_entry(key, flag, default_text, std::move(parse));
   const std::string shown = default_text.empty() ? help : help + " [" + default_text + "]";
-  entry.option = command.add_option(flag, entry.flag_text, shown);
+  entry.option = command.add_option(flag, entry.flag_text, shown)->type_name(entry.parse.type);
 }
 
 void Settings::add_switch(CLI::App& command, const std::string& key, const std::string& flag,
@@ -102,14 +104,6 @@ Settings::Entry* Settings::find(const std::string& key) {
     if (entry.key == key) return &entry;
   }
   return nullptr;
-}
-
-Result<void> Settings::apply(Entry& entry, const std::string& text, const std::string& source) {
-  if (const Result<void> parsed = entry.parse(text); !parsed)
-    return Error{ErrorCode::invalid_argument, source + ": " + parsed.error().message};
-  entry.text = text;
-  entry.source = source;
-  return {};
 }
 
 Result<void> Settings::read_file(const std::string& path) {
@@ -135,58 +129,111 @@ Result<void> Settings::read_file(const std::string& path) {
       return Error{ErrorCode::bad_input,
                    at(node.source()) + ": " + entry->key + " must be a number, word or text"};
     }
-    if (Result<void> applied = apply(*entry, *value, at(node.source()) + " " + entry->key);
-        !applied)
-      return Error{ErrorCode::bad_input, applied.error().message};
+    entry->text = *value;
+    entry->source = at(node.source()) + " " + entry->key;
+    entry->rank = kFile;
   }
   return {};
 }
 
-Result<void> Settings::resolve(const std::string& config_path) {
+Result<void> Settings::read_environment(Variables variables) {
+  constexpr std::string_view kPrefix = "LSV_";
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view assignment = *variable;
+    if (!assignment.starts_with(kPrefix)) continue;
+    const std::string name(assignment.substr(0, assignment.find('=')));
+    const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
+      return environment_name(e.key) == name;
+    });
+    if (entry == entries_.end()) {
+      if (variables == Variables::some_of_other_commands) continue;
+      return Error{ErrorCode::invalid_argument,
+                   name + ": no setting has this name; --print-config lists them"};
+    }
+    entry->text = assignment.substr(std::min(name.size() + 1, assignment.size()));
+    entry->source = name;
+    entry->rank = kEnvironment;
+  }
+  return {};
+}
+
+void Settings::exclude(const std::string& key, const std::string& other_key) {
+  exclusions_.emplace_back(key, other_key);
+}
+
+void Settings::resolve_exclusions() {
+  for (const auto& [key, other_key] : exclusions_) {
+    Entry& one = *find(key);
+    Entry& other = *find(other_key);
+    if (one.text.empty() || other.text.empty() || one.rank == other.rank) continue;
+    (one.rank < other.rank ? one : other).text.clear();
+  }
+}
+
+Result<void> Settings::resolve(const std::string& config_path, Variables variables) {
   for (Entry& entry : entries_) {
     entry.text = entry.default_text;
     entry.source = "default";
+    entry.rank = kDefault;
   }
   if (!config_path.empty()) {
     if (Result<void> read = read_file(config_path); !read) return read;
   }
+  if (Result<void> read = read_environment(variables); !read) return read;
   for (Entry& entry : entries_) {
-    const std::string variable = environment_name(entry.key);
-    if (const char* const value = std::getenv(variable.c_str()); value != nullptr) {
-      if (Result<void> applied = apply(entry, value, variable); !applied) return applied;
+    if (entry.option->count() == 0) continue;
+    if (entry.flag_text.empty())
+      return Error{ErrorCode::invalid_argument, entry.flag + ": nothing was given"};
+    entry.text = entry.flag_text;
+    entry.source = entry.flag;
+    entry.rank = kFlag;
+  }
+  resolve_exclusions();
+  for (Entry& entry : entries_) {
+    if (entry.text.empty()) continue;
+    Result<std::string> read = entry.parse.read(entry.text);
+    if (!read) {
+      const ErrorCode code =
+          entry.rank == kFile ? ErrorCode::bad_input : ErrorCode::invalid_argument;
+      return Error{code, entry.source + ": " + read.error().message};
     }
-    if (entry.option->count() > 0) {
-      if (Result<void> applied = apply(entry, entry.flag_text, entry.flag); !applied)
-        return applied;
-    }
+    entry.toml = std::move(read).value();
   }
   return {};
 }
 
 std::string Settings::to_toml() const {
-  std::ostringstream out;
+  std::string out;
   for (const Entry& entry : entries_) {
     if (entry.text.empty())
-      out << "# " << entry.key << " is not set\n";
+      out += "# " + entry.key + " is not set\n";
     else
-      out << entry.key << " = " << toml_value(entry.text) << "  # " << entry.source << "\n";
+      out += entry.key + " = " + entry.toml + "  # " + entry.source + "\n";
   }
-  return out.str();
+  return out;
 }
 
-Settings::Parse number(double& target) { return into<double>(target, kNumber); }
-Settings::Parse number(std::optional<double>& target) { return into<double>(target, kNumber); }
-Settings::Parse whole(std::optional<int>& target) { return into<int>(target, kWhole); }
-Settings::Parse whole(std::int64_t& target) { return into<std::int64_t>(target, kWhole); }
+Settings::Parse number(double& target) { return into<double>(target, "NUMBER", kNumber); }
+Settings::Parse number(std::optional<double>& target) {
+  return into<double>(target, "NUMBER", kNumber);
+}
+Settings::Parse whole(std::optional<int>& target) { return into<int>(target, "INT", kWhole); }
+Settings::Parse whole(std::int64_t& target) { return into<std::int64_t>(target, "INT", kWhole); }
 Settings::Parse whole(std::optional<std::int64_t>& target) {
-  return into<std::int64_t>(target, kWhole);
+  return into<std::int64_t>(target, "INT", kWhole);
 }
 
 Settings::Parse text(std::string& target) {
-  return [&target](const std::string& value) -> Result<void> {
-    target = value;
-    return {};
-  };
+  return {"TEXT", [&target](const std::string& value) -> Result<std::string> {
+            target = value;
+            return toml_text(value);
+          }};
+}
+
+std::string toml_text(const std::string& text) {
+  std::ostringstream out;
+  out << toml::value<std::string>(text);
+  return out.str();
 }
 
 }  // namespace lsv::cli

@@ -12,6 +12,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "lsv/core/result.h"
 
@@ -19,8 +21,12 @@ namespace lsv::cli {
 
 class Settings {
  public:
-  /// Reads `text` into its target; the message says what is wrong with it, without its name.
-  using Parse = std::function<Result<void>(const std::string& text)>;
+  /// How one setting is read: `read` puts a text into its target and returns it as a TOML value;
+  /// its message says what is wrong with the text, without naming the setting.
+  struct Parse {
+    const char* type;  // for --help
+    std::function<Result<std::string>(const std::string& text)> read;
+  };
 
   /// Adds one setting to `command`. `default_text` is what --print-config and --help show when
   /// nothing else is given; empty means unset.
@@ -31,9 +37,14 @@ class Settings {
   void add_switch(CLI::App& command, const std::string& key, const std::string& flag,
                   const std::string& help, bool& target);
 
+  /// Says that at most one of two optional settings holds: the one from the higher source.
+  void exclude(const std::string& key, const std::string& other_key);
+
   /// Applies all sources. `config_path` may be empty. Errors name the flag, variable or file and
-  /// line.
-  Result<void> resolve(const std::string& config_path);
+  /// line. A key that no setting has is an error, and so is such an LSV_ variable unless the
+  /// command has only some of the settings.
+  enum class Variables { all_known, some_of_other_commands };
+  Result<void> resolve(const std::string& config_path, Variables variables = Variables::all_known);
 
   /// The resolved settings as a TOML file that --config reads back.
   std::string to_toml() const;
@@ -46,17 +57,22 @@ class Settings {
     Parse parse;
     CLI::Option* option = nullptr;
     std::string flag_text;
-    std::string text;    // in force; empty = unset
+    // In force, found by resolve() and then read into the target:
+    std::string text;    // empty = unset
     std::string source;  // where it came from
+    int rank = 0;        // of that source, see kDefault...
+    std::string toml;
   };
 
   Entry& add_entry(const std::string& key, const std::string& flag, const std::string& default_text,
                    Parse parse);
   Result<void> read_file(const std::string& path);
-  Result<void> apply(Entry& entry, const std::string& text, const std::string& source);
+  Result<void> read_environment(Variables variables);
+  void resolve_exclusions();
   Entry* find(const std::string& key);
 
   std::deque<Entry> entries_;  // stable addresses: CLI11 keeps references
+  std::vector<std::pair<std::string, std::string>> exclusions_;
 };
 
 /// Parsers for the usual targets, which must outlive the settings.
@@ -66,5 +82,8 @@ Settings::Parse whole(std::optional<int>& target);
 Settings::Parse whole(std::int64_t& target);
 Settings::Parse whole(std::optional<std::int64_t>& target);
 Settings::Parse text(std::string& target);
+
+/// `text` in quotes, as TOML wants it.
+std::string toml_text(const std::string& text);
 
 }  // namespace lsv::cli

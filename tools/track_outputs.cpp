@@ -14,6 +14,10 @@
 namespace lsv::cli {
 namespace {
 
+std::string config_path(const OutputPaths& paths) {
+  return (std::filesystem::path(paths.directory) / "config.toml").string();
+}
+
 Result<void> expand_directory(OutputPaths& paths) {
   if (paths.directory.empty()) return {};
   std::error_code status;
@@ -42,6 +46,23 @@ Result<void> at_most_one_on_stdout(const OutputPaths& paths) {
   return {};
 }
 
+Result<void> refuse_inputs(const OutputPaths& paths, const std::vector<std::string>& inputs) {
+  std::vector<std::string> outputs = {paths.csv, paths.tum, paths.jsonl, paths.report,
+                                      paths.summary};
+  if (!paths.directory.empty()) outputs.push_back(config_path(paths));
+  for (const std::string& output : outputs) {
+    std::error_code ignored;  // what does not exist is not an input
+    if (output.empty() || !std::filesystem::is_regular_file(output, ignored)) continue;
+    for (const std::string& input : inputs) {
+      if (std::filesystem::equivalent(output, input, ignored)) {
+        return Error{ErrorCode::invalid_argument,
+                     output + ": is an input of this run; choose another name for the output"};
+      }
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 void add_output_options(CLI::App& command, OutputPaths& paths) {
@@ -62,10 +83,22 @@ void add_output_options(CLI::App& command, OutputPaths& paths) {
       ->group(group);
 }
 
+Result<void> refuse_empty_names(const CLI::App& command) {
+  for (const char* option : {"--output", "--csv", "--tum", "--jsonl", "--report", "--summary"}) {
+    const CLI::Option* const given = command.get_option(option);
+    if (given->count() > 0 && given->as<std::string>().empty())
+      return Error{ErrorCode::invalid_argument, std::string(option) + ": the name is empty"};
+  }
+  return {};
+}
+
 Result<TrackOutputs> TrackOutputs::open(OutputPaths paths, const RunInfo& info,
-                                        const std::string& config_toml) {
+                                        const std::string& config_toml,
+                                        const std::vector<std::string>& inputs) {
   if (Result<void> checked = at_most_one_on_stdout(paths); !checked) return checked.error();
   if (Result<void> expanded = expand_directory(paths); !expanded) return expanded.error();
+
+  if (Result<void> checked = refuse_inputs(paths, inputs); !checked) return checked.error();
 
   TrackOutputs out;
   out.report_frame_ = paths.report_frame;
@@ -100,8 +133,7 @@ Result<TrackOutputs> TrackOutputs::open(OutputPaths paths, const RunInfo& info,
   out.sinks_.push_back(std::move(summary));
 
   if (!paths.directory.empty()) {
-    Result<OutputFile> file =
-        OutputFile::open((std::filesystem::path(paths.directory) / "config.toml").string());
+    Result<OutputFile> file = OutputFile::open(config_path(paths));
     if (!file) return file.error();
     out.config_.emplace(std::move(file).value());
     out.config_toml_ = config_toml;
@@ -144,9 +176,12 @@ Result<void> TrackOutputs::finish(const RunEnd& end) {
   }
   if (config_) {
     if (Result<void> written = config_->write(config_toml_); !written) return written;
-    return config_->commit();
+    if (Result<void> completed = config_->complete(); !completed) return completed;
   }
-  return {};
+  for (const auto& sink : sinks_) {
+    if (Result<void> committed = sink->commit(); !committed) return committed;
+  }
+  return config_ ? config_->commit() : Result<void>();
 }
 
 }  // namespace lsv::cli

@@ -29,17 +29,24 @@ struct OutputPaths {
 
 void add_output_options(CLI::App& command, OutputPaths& paths);
 
+/// An output option of `command` given an empty name, as by an unset shell variable, is an error.
+Result<void> refuse_empty_names(const CLI::App& command);
+
 class TrackOutputs {
  public:
-  /// `config_toml`: the resolved settings, written beside the results of -o.
+  /// `config_toml`: the resolved settings, written beside the results of -o. An output that is one
+  /// of `inputs`, by whatever name, is refused (invalid_argument).
   static Result<TrackOutputs> open(OutputPaths paths, const RunInfo& info,
-                                   const std::string& config_toml);
+                                   const std::string& config_toml,
+                                   const std::vector<std::string>& inputs);
 
   /// `odometer` has just made `report` from `frame`.
   Result<void> write(const StepReport& report, const FrameView& frame, const Odometer& odometer);
   Result<void> finish(const RunEnd& end);
 
   Summary summary() const { return summary_->summary(); }
+  /// The pair chosen with --report-frame has not come.
+  bool lacks_report_frame() const { return report_ != nullptr && report_frame_ && !pair_kept_; }
 
  private:
   Result<void> keep_pair(const StepReport& report, const FrameView& frame,

@@ -18,23 +18,24 @@ std::string shown(const T& value) {
 template <typename Value>
 Settings::Parse one_of(Value& target, std::optional<Value> (*from)(std::string_view),
                        const char* words) {
-  return [&target, from, words](const std::string& text) -> Result<void> {
-    const std::optional<Value> value = from(text);
-    if (!value) return Error{ErrorCode::invalid_argument, "'" + text + "' is not one of " + words};
-    target = *value;
-    return {};
-  };
+  return {"WORD", [&target, from, words](const std::string& text) -> Result<std::string> {
+            const std::optional<Value> value = from(text);
+            if (!value)
+              return Error{ErrorCode::invalid_argument, "'" + text + "' is not one of " + words};
+            target = *value;
+            return toml_text(text);
+          }};
 }
 
 template <typename Value>
-Settings::Parse parsed_by(std::optional<Value>& target,
+Settings::Parse parsed_by(std::optional<Value>& target, const char* type,
                           Result<Value> (*parse)(const std::string&)) {
-  return [&target, parse](const std::string& text) -> Result<void> {
-    Result<Value> value = parse(text);
-    if (!value) return value.error();
-    target = std::move(value).value();
-    return {};
-  };
+  return {type, [&target, parse](const std::string& text) -> Result<std::string> {
+            Result<Value> value = parse(text);
+            if (!value) return value.error();
+            target = std::move(value).value();
+            return toml_text(text);
+          }};
 }
 
 }  // namespace
@@ -44,13 +45,14 @@ void add_source_settings(CLI::App& command, Settings& settings, SourceOptions& s
                number(source.rate_hz));
   settings.add(command, "timestamps", "--timestamps", "File with one time stamp per frame", "",
                text(source.timestamps_path));
+  settings.exclude("rate_hz", "timestamps");
   settings.add(command, "raw", "--raw", "Headerless pixels: WxH:mono8|10|12|14|16[:header_bytes]",
-               "", parsed_by(source.raw, parse_raw_format));
+               "", parsed_by(source.raw, "FORMAT", parse_raw_format));
   settings.add(command, "bit_depth", "--bit-depth",
                "Significant bits of 16-bit pixels, where the file does not say", "",
                whole(source.bit_depth));
   settings.add(command, "roi", "--roi", "Region of the frames to use, px: x,y,w,h", "",
-               parsed_by(source.roi, parse_roi));
+               parsed_by(source.roi, "X,Y,W,H", parse_roi));
   settings.add(command, "start", "--start", "First frame index used", shown(source.start),
                whole(source.start));
   settings.add(command, "stop", "--stop", "First frame index not used", "", whole(source.stop));

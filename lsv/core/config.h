@@ -15,7 +15,7 @@ namespace lsv {
 /// How the correlation plane over the lags is computed.
 enum class Engine {
   zncc,    // zero-normalised cross-correlation, exact overlap at each lag, by FFT (default)
-  cross,   // plain circular FFT cross-correlation of mean-free frames
+  cross,   // plain FFT cross-correlation of mean-free frames, zero padded
   phase,   // phase correlation: the cross-power spectrum whitened
   direct,  // ZNCC summed lag by lag: O(N^2 M^2), the slow reference
 };

@@ -8,6 +8,13 @@ namespace {
 constexpr std::size_t kRowAlignment_bytes = 64;
 }  // namespace
 
+bool is_possible(const FrameFormat& format) {
+  const bool depth_fits = format.type == PixelType::mono8
+                              ? format.bit_depth == 8
+                              : format.bit_depth > 8 && format.bit_depth <= 16;
+  return format.width_px > 0 && format.height_px > 0 && depth_fits;
+}
+
 bool contains(const FrameFormat& format, const Roi& roi) {
   return roi.x_px >= 0 && roi.y_px >= 0 && roi.width_px > 0 && roi.height_px > 0 &&
          roi.width_px <= format.width_px - roi.x_px && roi.height_px <= format.height_px - roi.y_px;

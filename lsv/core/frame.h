@@ -62,6 +62,10 @@ struct FrameView {
 
 inline constexpr int full_scale_counts(int bit_depth) { return (1 << bit_depth) - 1; }
 
+/// Whether a frame can look like this: sides of at least 1 px, and 8 bits in a byte or 9 to 16 in
+/// a 16-bit word.
+bool is_possible(const FrameFormat& format);
+
 /// `roi` must lie inside the frame (contains()).
 bool contains(const FrameFormat& format, const Roi& roi);
 FrameView crop(const FrameView& frame, const Roi& roi);

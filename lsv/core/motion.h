@@ -16,7 +16,7 @@ struct SensorVelocity {
 };
 
 /// Distance travelled since the first frame along fixed sensor axes. The sigmas hold the
-/// random error of the accepted shifts only: not the scale's, and nothing for gaps.
+/// error of the accepted shifts only: not the scale's, and nothing for gaps.
 struct SensorPosition {
   double x_m = 0.0;
   double y_m = 0.0;

@@ -38,7 +38,8 @@ std::string_view advice(ShiftStatus status) {
     case ShiftStatus::first_frame:
       return "There is no earlier frame to compare with.";
     case ShiftStatus::dark:
-      return "The frame is dark: check the laser, the lens cover and the exposure.";
+      return "The frame is dark: check the laser, the lens cover, the exposure and, for 16-bit "
+             "frames, --bit-depth.";
     case ShiftStatus::saturated:
       return "Too many pixels are at full scale: reduce exposure or laser power.";
     case ShiftStatus::low_contrast:

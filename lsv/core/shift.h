@@ -71,6 +71,11 @@ struct Shift {
   double dx_px = kUnknown;
   double dy_px = kUnknown;
   ShiftCovariance cov;
+  /// The part of the sigmas that engine, peak model and sampling account for. It is in `cov`;
+  /// unlike the rest it repeats when the motion repeats, so over a steady drive it adds up
+  /// linearly.
+  double model_sigma_x_px = kUnknown;
+  double model_sigma_y_px = kUnknown;
   ShiftQuality quality;
   ShiftStatus status = ShiftStatus::first_frame;
 };

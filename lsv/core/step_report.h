@@ -13,7 +13,7 @@ namespace lsv {
 struct StepReport {
   std::int64_t frame = 0;     // index of this frame in its source
   Stamp stamp{};              // of this frame
-  std::int64_t dt_ns = 0;     // since the frame before it; 0 for the first
+  std::int64_t dt_ns = 0;     // between the two frames of the shift; 0 for the first
   Shift shift{};              // from the frame before; numbers are NaN unless status is ok
   SensorVelocity velocity{};  // NaN unless shift.status is ok
   SensorPosition position{};  // held, not advanced, when shift.status is not ok

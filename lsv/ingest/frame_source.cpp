@@ -57,11 +57,14 @@ void copy_pixels(const FrameView& from, Frame& to) {
 /// The first frame is read at opening, so that a bad input is refused before any work starts.
 class SelectedSource : public FrameSource {
  public:
-  SelectedSource(std::unique_ptr<FrameStream> stream, TimeBase time, const SourceOptions& options)
+  SelectedSource(std::unique_ptr<FrameStream> stream, TimeBase time, const SourceOptions& options,
+                 std::vector<std::string> files)
       : stream_(std::move(stream)),
         time_(std::move(time)),
         selection_{.start = options.start, .stop = options.stop, .step = options.step},
-        roi_(options.roi) {}
+        roi_(options.roi) {
+    info_.files = std::move(files);
+  }
 
   Result<void> open() {
     auto planned = plan();
@@ -233,11 +236,9 @@ Result<std::unique_ptr<FrameStream>> open_raw_input(const std::string& path,
   return open_raw(path, *raw, options.max_pixels);
 }
 
-Result<std::unique_ptr<FrameStream>> open_stream(const std::vector<std::string>& paths,
+Result<std::unique_ptr<FrameStream>> open_stream(const FramePaths& paths,
                                                  const SourceOptions& options) {
-  const auto expanded = expand_frame_paths(paths, options.raw.has_value());
-  if (!expanded) return expanded.error();
-  const auto& [files, order] = expanded.value();
+  const auto& [files, order] = paths;
   const DecodeOptions decode{
       .max_pixels = options.max_pixels, .bit_depth = options.bit_depth, .raw = raw_format(options)};
   if (files.size() == 1) {
@@ -262,10 +263,14 @@ Result<std::unique_ptr<FrameSource>> open_frames(const std::vector<std::string>&
     if (!checked) return checked.error();
     auto time = TimeBase::make(options);
     if (!time) return time.error();
-    auto stream = open_stream(paths, options);
+    auto expanded = expand_frame_paths(paths, options.raw.has_value());
+    if (!expanded) return expanded.error();
+    auto stream = open_stream(expanded.value(), options);
     if (!stream) return stream.error();
-    auto source = std::make_unique<SelectedSource>(std::move(stream).value(),
-                                                   std::move(time).value(), options);
+    std::vector<std::string> files = std::move(expanded).value().files;
+    std::erase(files, "-");
+    auto source = std::make_unique<SelectedSource>(
+        std::move(stream).value(), std::move(time).value(), options, std::move(files));
     const auto opened = source->open();
     if (!opened) return opened.error();
     return std::unique_ptr<FrameSource>(std::move(source));

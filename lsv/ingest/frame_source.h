@@ -22,6 +22,7 @@ struct SourceInfo {
   std::int64_t missing_count = 0;           // holes in the numbers of the whole input
   std::optional<Stamp> first_stamp;         // of the frames delivered; unknown without a time base
   std::optional<Stamp> last_stamp;          // unknown also when frame_count is
+  std::vector<std::string> files;           // that are read; empty for standard input
   std::vector<std::string> warnings;        // a sentence each, e.g. "3 frames are missing ..."
 };
 

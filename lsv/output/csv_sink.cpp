@@ -85,7 +85,7 @@ Result<void> CsvSink::finish(const RunEnd& end) {
   if (end.interrupted) {
     if (auto written = file_.write(comment("interrupted", "true")); !written) return written;
   }
-  return file_.commit();
+  return file_.complete();
 }
 
 Result<void> CsvSink::write_head() {

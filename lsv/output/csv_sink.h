@@ -22,6 +22,7 @@ class CsvSink : public TrackSink {
 
   Result<void> write(const StepReport& report) override;
   Result<void> finish(const RunEnd& end) override;
+  Result<void> commit() override { return file_.commit(); }
 
  private:
   Result<void> write_head();

@@ -52,6 +52,6 @@ Result<void> JsonlSink::write(const StepReport& report) {
   return file_.write(row_of(report).dump() + '\n');
 }
 
-Result<void> JsonlSink::finish(const RunEnd&) { return file_.commit(); }
+Result<void> JsonlSink::finish(const RunEnd&) { return file_.complete(); }
 
 }  // namespace lsv

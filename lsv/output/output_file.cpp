@@ -156,10 +156,14 @@ Result<void> OutputFile::write(std::string_view text) {
   return {};
 }
 
-Result<void> OutputFile::commit() {
+Result<void> OutputFile::complete() {
   if (fd_ < 0) return closed();
   if (auto flushed = flush(); !flushed) return flushed;
-  if (auto synced = sync(); !synced) return synced;
+  return sync();
+}
+
+Result<void> OutputFile::commit() {
+  if (auto completed = complete(); !completed) return completed;
   if (is_stream()) return {};
   // Renamed before the lock goes with the descriptor; fsync has left close nothing to lose.
   if (::rename(part_path_.c_str(), target_path_.c_str()) != 0) return abandon("rename", errno);

@@ -26,7 +26,10 @@ class OutputFile {
   /// file is given up: the part file is gone and every further call fails.
   Result<void> write(std::string_view text);
 
-  /// Nothing may be written afterwards.
+  /// Everything written so far reaches the disk, still under the part name.
+  Result<void> complete();
+
+  /// complete(), then the name. Nothing may be written afterwards.
   Result<void> commit();
 
  private:

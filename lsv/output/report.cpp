@@ -325,7 +325,7 @@ Result<void> ReportBuilder::write(const StepReport& report) {
 Result<void> ReportBuilder::finish(const RunEnd& end) {
   if (auto finished = summary_.finish(end); !finished) return finished;
   if (auto written = file_.write(page()); !written) return written;
-  return file_.commit();
+  return file_.complete();
 }
 
 std::string ReportBuilder::page() const {

@@ -54,6 +54,7 @@ class ReportBuilder : public TrackSink {
 
   Result<void> write(const StepReport& report) override;
   Result<void> finish(const RunEnd& end) override;
+  Result<void> commit() override { return file_.commit(); }
 
  private:
   std::string page() const;

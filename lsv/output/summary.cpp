@@ -136,6 +136,11 @@ Result<void> SummaryBuilder::finish(const RunEnd& end) {
   interrupted_ = end.interrupted;
   if (!file_) return {};
   if (auto written = file_->write(summary_json(info_, summary())); !written) return written;
+  return file_->complete();
+}
+
+Result<void> SummaryBuilder::commit() {
+  if (!file_) return {};
   return file_->commit();
 }
 

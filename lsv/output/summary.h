@@ -60,6 +60,7 @@ class SummaryBuilder : public TrackSink {
 
   Result<void> write(const StepReport& report) override;
   Result<void> finish(const RunEnd& end) override;
+  Result<void> commit() override;
 
   /// Of the frames written so far.
   Summary summary() const;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What receives the StepReports of a run, and what every output says about the run.
 // A sink is handed every report in order, the first_frame report included, then finish() once.
-// A result exists only after finish() has returned without an error; a sink that is destroyed
-// before that leaves nothing behind. A sink belongs to one thread at a time.
+// finish() brings everything to the disk, commit() lets it appear under its name: with several
+// sinks, all finish before the first commits, so that a failed run leaves no new file. A sink that
+// is destroyed before commit() leaves nothing behind. A sink belongs to one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -37,6 +38,7 @@ class TrackSink {
   /// An error ends the output: destroy the sink, do not finish it.
   virtual Result<void> write(const StepReport& report) = 0;
   virtual Result<void> finish(const RunEnd& end) = 0;
+  virtual Result<void> commit() = 0;
 };
 
 }  // namespace lsv

@@ -30,6 +30,6 @@ Result<void> TumSink::write(const StepReport& report) {
   return file_.write(row_);
 }
 
-Result<void> TumSink::finish(const RunEnd&) { return file_.commit(); }
+Result<void> TumSink::finish(const RunEnd&) { return file_.complete(); }
 
 }  // namespace lsv

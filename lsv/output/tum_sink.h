@@ -18,6 +18,7 @@ class TumSink : public TrackSink {
 
   Result<void> write(const StepReport& report) override;
   Result<void> finish(const RunEnd& end) override;
+  Result<void> commit() override { return file_.commit(); }
 
  private:
   OutputFile file_;

@@ -63,6 +63,7 @@ TEST(ParseCalibration, RefusesWithFileLineAndKey) {
       {with("sc_y_ratio = 2", "sc_y_ratio = inf"), "c.toml:7: sensor.sc_y_ratio"},
       {with("sc_y_ratio = 2", "sc_y_ratio = \"2\""), "c.toml:7: sensor.sc_y_ratio"},
       {with("14e-6", "1e999"), "c.toml:4:"},
+      {with("14e-6", "14"), "c.toml:4: sensor.pixel_pitch_x_m is 14 but must be between"},
       {with("noise_sd_counts = 0.5", "noise_sd_counts = -0.5"), "c.toml:10: camera.noise_sd"},
       {with("noise_sd_counts = 0.5\n", ""), "c.toml: the key camera.noise_sd_counts is missing"},
       {with("sc_x_ratio = 1.985\n", ""), "c.toml: the key sensor.sc_x_ratio is missing"},

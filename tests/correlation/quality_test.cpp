@@ -79,12 +79,12 @@ Peak wide_peak() {
 }
 
 double variance_x_px2(double zncc, const FrameStats& stats, double pixels, double noise_sd) {
-  return shift_covariance(wide_peak(), zncc, stats, stats, pixels, {.noise_sd_counts = noise_sd})
-      .xx_px2;
+  return shift_error(wide_peak(), zncc, stats, stats, pixels, {.noise_sd_counts = noise_sd})
+      .cov.xx_px2;
 }
 
 TEST(ShiftCovariance, FollowsTheShapeOfThePeak) {
-  const ShiftCovariance cov = shift_covariance(wide_peak(), 0.9, bright(), bright(), 16384.0, {});
+  const ShiftCovariance cov = shift_error(wide_peak(), 0.9, bright(), bright(), 16384.0, {}).cov;
   EXPECT_NEAR(cov.xx_px2 / cov.yy_px2, 2.0, 0.05);
   EXPECT_NEAR(cov.xy_px2 / cov.xx_px2, 0.125, 0.01);
 }
@@ -106,9 +106,13 @@ TEST(ShiftCovariance, DoesNotChargeCameraNoiseTwice) {
 // An engine with a bias, or a coarser fit, owns up to it.
 TEST(ShiftCovariance, NamesTheErrorOfEngineAndFit) {
   const auto variance = [](PeakFit fit, Engine engine) {
-    return shift_covariance(wide_peak(), 1.0, bright(), bright(), 16384.0,
-                            {.fit = fit, .engine = engine})
-        .xx_px2;
+    Peak peak = wide_peak();
+    peak.fit = fit;
+    const ShiftError error =
+        shift_error(peak, 1.0, bright(), bright(), 16384.0, {.engine = engine});
+    EXPECT_LE(error.model_sigma_x_px, std::sqrt(error.cov.xx_px2));
+    EXPECT_GT(error.model_sigma_y_px, 0.0);
+    return error.cov.xx_px2;
   };
   EXPECT_GT(variance(PeakFit::gaussian2d, Engine::zncc), variance(PeakFit::sinc, Engine::zncc));
   EXPECT_GT(variance(PeakFit::sinc, Engine::cross), variance(PeakFit::sinc, Engine::zncc));

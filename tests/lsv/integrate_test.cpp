@@ -24,6 +24,21 @@ TEST(Integrator, ThereAndBackIsTheOriginAndTheDoubtGrows) {
   EXPECT_NEAR(integrator.position().sigma_y_m, 1e-6, 1e-18);
 }
 
+// A model error repeats with the motion and adds up linearly; noise does not.
+TEST(Integrator, ModelErrorsAddUpLinearly) {
+  Integrator integrator;
+  for (int i = 0; i < 100; ++i) {
+    integrator.add({.x_m = 1e-5,
+                    .y_m = 0.0,
+                    .sigma_x_m = 5e-9,
+                    .sigma_y_m = 5e-9,
+                    .model_sigma_x_m = 3e-9,
+                    .model_sigma_y_m = 0.0});
+  }
+  EXPECT_NEAR(integrator.position().sigma_x_m, std::hypot(100 * 3e-9, 10 * 4e-9), 1e-15);
+  EXPECT_NEAR(integrator.position().sigma_y_m, 50e-9, 1e-15);
+}
+
 // 24 h at 1 kHz and 42 um a step: a float32 sum stops for good at 1024 m.
 TEST(Integrator, StillAdvancesAfterADayOfDriving) {
   Integrator integrator;

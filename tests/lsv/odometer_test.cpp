@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "sim/speckle.h"
@@ -127,6 +128,40 @@ TEST_F(OdometerTest, AFrozenCameraIsNotStandstill) {
   const StepReport parked = push_at(3, 1.0, 0.0);
   ASSERT_EQ(parked.shift.status, ShiftStatus::ok);
   EXPECT_NEAR(parked.shift.dx_px, 0.0, 0.005);
+}
+
+// The frame after a repeated one has moved since the first copy: twice the shift, twice the time.
+TEST_F(OdometerTest, AfterARepeatedFrameTheSpeedIsStillRight) {
+  push_at(0, 0.0, 0.0);
+  Frame frame = simulated(camera_, 1, 2.3, 0.7);
+  const StepReport before = push(frame);
+  frame.index = 2;
+  frame.stamp = {2 * kPeriod_ns};
+  EXPECT_EQ(push(frame).shift.status, ShiftStatus::frozen);
+  const StepReport after = push_at(3, 6.9, 2.1);
+  ASSERT_EQ(after.shift.status, ShiftStatus::ok);
+  EXPECT_EQ(after.dt_ns, 2 * kPeriod_ns);
+  EXPECT_NEAR(after.shift.dx_px, 4.6, 0.02);
+  EXPECT_NEAR(after.velocity.vx_m_s, before.velocity.vx_m_s, 1e-4);
+}
+
+TEST(Odometer, RefusesImpossibleFormatsAndSizes) {
+  for (const FrameFormat& format :
+       {FrameFormat{.width_px = 64, .height_px = 64, .bit_depth = 40},
+        FrameFormat{.width_px = 64, .height_px = 64, .bit_depth = 7},
+        FrameFormat{.width_px = 64, .height_px = 64, .type = PixelType::mono16, .bit_depth = -1},
+        FrameFormat{.width_px = -64, .height_px = 64}}) {
+    EXPECT_FALSE(Odometer::create(test::bridget_config(), format));
+  }
+}
+
+TEST_F(OdometerTest, StampsAtTheEndsOfTimeAreRefused) {
+  Frame first = simulated(camera_, 0, 0.0, 0.0);
+  first.stamp = {std::numeric_limits<std::int64_t>::min()};
+  push(first);
+  Frame last = simulated(camera_, 1, 0.0, 0.0);
+  last.stamp = {std::numeric_limits<std::int64_t>::max()};
+  EXPECT_FALSE(odometer_.push(last.view()));
 }
 
 TEST(Odometer, NoiseFreeFramesMayRepeat) {

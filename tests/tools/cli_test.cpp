@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -218,6 +219,44 @@ TEST(Track, TooManyRefusedShiftsAreExitCodeFour) {
       << "a run without a single shift is never fine";
 }
 
+TEST(Track, NeverOverwritesItsInputs) {
+  const std::string folder = test::fresh_directory();
+  for (const char* name : {"frame_00000.png", "frame_00001.png"})
+    std::filesystem::copy(kSamples + "/drive_png/" + name, folder + "/" + name);
+  std::filesystem::copy(kCalibration, folder + "/calibration.toml");
+  const std::string frame = folder + "/frame_00001.png";
+  const std::string before = read_text(frame);
+  expect_one_line_error(track({folder, "--csv", frame, "-q"}), 2, "is an input of this run");
+  std::filesystem::create_symlink(frame, folder + "/link");
+  expect_one_line_error(track({folder, "--tum", folder + "/link", "-q"}), 2, "is an input");
+  expect_one_line_error(
+      lsv_run({"track", folder, "--rate-hz", "1000", "--calibration", folder + "/calibration.toml",
+               "--summary", folder + "/calibration.toml", "-q"}),
+      2, "is an input");
+  EXPECT_EQ(read_text(frame), before);
+}
+
+TEST(Track, AFailedRunLeavesNoNewFile) {
+  const std::string folder = test::fresh_directory();
+  std::filesystem::create_symlink("/dev/full", folder + "/report.html");
+  EXPECT_EQ(track({kStack, "-o", folder, "-q"}).exit_code, 1);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+}
+
+TEST(Track, OutOfMemoryIsOneLine) {
+#ifdef LSV_SANITIZED
+  GTEST_SKIP() << "AddressSanitizer needs more address space than this test leaves";
+#endif
+  const std::string file = test::fresh_directory() + "/large.raw";
+  std::ofstream(file).close();
+  std::filesystem::resize_file(file, 2 * 4096 * 4096);
+  const ProgramResult result = test::run_program(
+      {"/bin/sh", "-c",
+       "ulimit -v 700000; exec " LSV_PROGRAM " track " + file + " --raw 4096x4096:mono8 " +
+           "--rate-hz 1 -q --calibration " + kCalibration});
+  expect_one_line_error(result, 2, "not enough memory");
+}
+
 TEST(Track, OneFrameIsNoTrack) {
   expect_one_line_error(track({kStack, "--stop", "1", "-q"}), 3, "at least two frames");
 }
@@ -275,11 +314,55 @@ TEST(Track, PrintConfigNamesTheSourceOfEveryValue) {
   EXPECT_NE(result.out.find("step = 4  # --step"), std::string::npos);
   EXPECT_NE(result.out.find("min_peak_ratio = 1.2  # default"), std::string::npos);
   EXPECT_NE(result.out.find("# rate_hz is not set"), std::string::npos);
-  // What it prints can be given back.
-  std::ofstream(folder + "/again.toml") << result.out;
+}
+
+TEST(Track, WhatPrintConfigPrintsCanBeGivenBack) {
+  const std::string folder = test::fresh_directory();
+  const ProgramResult first =
+      lsv_run({"track", "--print-config", "--start", "007", "--min-zncc", ".5", "--min-q", "3.",
+               "--timestamps", "1e3", "--roi", "0,0,64,64", "--allow-frozen"});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  std::ofstream(folder + "/again.toml") << first.out;
   const ProgramResult again =
       lsv_run({"track", "--print-config", "--config", folder + "/again.toml"});
-  EXPECT_NE(again.out.find("step = 4"), std::string::npos) << again.err;
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const auto values = [](const std::string& toml) {
+    std::string out;
+    std::istringstream lines(toml);
+    for (std::string line; std::getline(lines, line);)
+      out += line.substr(0, line.find("  #")) + "\n";
+    return out;
+  };
+  EXPECT_EQ(values(again.out), values(first.out));
+  EXPECT_NE(again.out.find("start = 7 "), std::string::npos) << again.out;
+}
+
+TEST(Track, TheHigherSourceOfTimeCounts) {
+  const std::string stamps = test::fresh_directory() + "/stamps.csv";
+  std::ofstream file(stamps);
+  file << "time_s\n";
+  for (int i = 0; i < 200; ++i) file << i * 0.004 << "\n";
+  file.close();
+  const ProgramResult result = lsv_run(
+      {"track", kStack, "--timestamps", stamps, "--calibration", kCalibration, "--csv", "-", "-q"},
+      "", {"LSV_RATE_HZ=1000"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(test::CsvTable(result.out).text(0, "dt_s"), "0.004000000");
+}
+
+TEST(Track, UnknownVariablesAndEmptyNamesAreErrors) {
+  expect_one_line_error(lsv_run({"track", kStack}, "", {"LSV_MAX_SHIFT=9"}), 2, "LSV_MAX_SHIFT");
+  expect_one_line_error(track({kStack, "--csv", ""}), 2, "--csv");
+  expect_one_line_error(track({kStack, "--max-rejected", "7"}), 2, "--max-rejected");
+  expect_one_line_error(track({kStack, "--min-q", "nan"}), 2, "--min-q");
+}
+
+TEST(Track, ARefusedRunSaysWhatToDo) {
+  const ProgramResult result = track({kStack, "--min-signal", "0.9", "-q"});
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_NE(result.err.find("most often dark: The frame is dark: check the laser"),
+            std::string::npos)
+      << result.err;
 }
 
 TEST(Track, AWrongConfigurationNamesFileLineAndKey) {

@@ -229,6 +229,7 @@ TEST(Report, AMillionFramesStaySmall) {
     last = next;
   }
   ASSERT_TRUE(report.finish({}).ok());
+  ASSERT_TRUE(report.commit().ok());
   EXPECT_LT(std::filesystem::file_size(scratch.file("r.html")), 2'000'000U);
   const json data = data_of(text_of(scratch.file("r.html")));
   EXPECT_EQ(data["series"]["frames_per_point"], 256);

@@ -131,7 +131,8 @@ inline std::vector<StepReport> sample_reports(std::int64_t start_ns = 0) {
 inline void feed(TrackSink& sink, const std::vector<StepReport>& reports,
                  bool interrupted = false) {
   for (const StepReport& report : reports) ASSERT_TRUE(sink.write(report).ok());
-  const Result<void> finished = sink.finish({.interrupted = interrupted});
+  Result<void> finished = sink.finish({.interrupted = interrupted});
+  if (finished) finished = sink.commit();
   ASSERT_TRUE(finished.ok()) << finished.error().message;
 }
 
