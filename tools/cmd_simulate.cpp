@@ -130,6 +130,7 @@ class Recording {
       return usage("--output names nothing: give a directory or a .tif file");
     if (auto free = refuse_existing(recording.target_, format.has_value()); !free)
       return free.error();
+    if (auto made = recording.make_parent(); !made) return made.error();
     auto begun = format ? recording.begin_directory() : recording.begin_stack(options);
     if (!begun) return begun.error();
     if (auto opened = recording.open_truth(options.truth); !opened) return opened.error();
@@ -172,6 +173,14 @@ class Recording {
 
  private:
   Recording() = default;
+
+  Result<void> make_parent() const {
+    if (!target_.has_parent_path()) return {};
+    std::error_code code;
+    fs::create_directories(target_.parent_path(), code);
+    if (code) return disk_error(target_, code);
+    return {};
+  }
 
   Result<void> begin_stack(const SimulateOptions& o) {
     const std::int64_t pixel_bytes =

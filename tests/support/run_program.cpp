@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -59,6 +60,7 @@ ProgramResult run_program(const std::vector<std::string>& args, const std::strin
   const std::string files = testing::TempDir() + unique_name() + "_streams";
   std::ofstream(files + ".in", std::ios::binary) << input;
   const auto start = std::chrono::steady_clock::now();
+  std::fflush(nullptr);  // or the child prints what is still buffered here once more
   const pid_t child = ::fork();
   if (child == 0) become(args, files, environment);
   int status = 0;

@@ -70,16 +70,16 @@ TEST(Simulate, SameSeedSameBytesOtherSeedOtherBytes) {
 
 TEST(Simulate, WhatItWritesIsTrackedBackToItsTruth) {
   const std::string folder = test::fresh_directory();
-  const ProgramResult made =
-      simulate({"-o", folder + "/drive.tif", "--frames", "25", "--size", "120x90", "--profile",
-                "constant", "--speed-px", "2.5", "--speed-y-px", "-1.25", "--bit-depth", "12"});
+  const ProgramResult made = simulate({"-o", folder + "/new/folder/drive.tif", "--frames", "25",
+                                       "--size", "120x90", "--profile", "constant", "--speed-px",
+                                       "2.5", "--speed-y-px", "-1.25", "--bit-depth", "12"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const ProgramResult tracked =
-      lsv_run({"track", folder + "/drive.tif", "--bit-depth", "12", "--rate-hz", "500",
+      lsv_run({"track", folder + "/new/folder/drive.tif", "--bit-depth", "12", "--rate-hz", "500",
                "--calibration", kSamples + "/calibration.toml", "--csv", "-", "-q"});
   ASSERT_EQ(tracked.exit_code, 0) << tracked.err;
   const test::CsvTable rows(tracked.out);
-  const test::CsvTable truth(read_text(folder + "/truth.csv"));
+  const test::CsvTable truth(read_text(folder + "/new/folder/truth.csv"));
   ASSERT_EQ(rows.rows() + 1, truth.rows());
   for (std::size_t i = 0; i < rows.rows(); ++i) {
     EXPECT_NEAR(truth.number(i + 1, "dx_px"), 2.5, 1e-9);
