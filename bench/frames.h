@@ -19,6 +19,12 @@ sim::SpeckleConfig camera(int side_px, int bit_depth);
 /// Rendered at the first call for a size and bit depth. Ends the program when that fails.
 const cli::SimulatedLoop& frames(int side_px, int bit_depth);
 
+/// A steady drive: constant speed along both axes, for as long as the pattern stays in sight of its
+/// start, then back.
+inline constexpr double kDriveX_px = 1.3;
+inline constexpr double kDriveY_px = 0.4;
+const cli::SimulatedLoop& drive(int side_px, int bit_depth);
+
 /// Default settings with the calibration of the simulated camera.
 TrackConfig track_config(Engine engine = Engine::zncc);
 

@@ -68,6 +68,7 @@ int main(int argc, char** argv) {
   add_context();
   register_stages();
   register_pushes();
+  register_tracks();
   register_opencv();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

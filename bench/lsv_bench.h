@@ -11,6 +11,7 @@ namespace lsv::bench {
 
 void register_stages();
 void register_pushes();
+void register_tracks();
 void register_opencv();
 
 /// Marks the benchmark as failed unless `complaint` is empty; the program then ends with 1.

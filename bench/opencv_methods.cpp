@@ -28,7 +28,7 @@ double gaussian_offset(double before, double centre, double after) {
 }  // namespace
 
 OpenCvFrames::OpenCvFrames(const cli::SimulatedLoop& loop) {
-  for (int k = 0; k < kFrames; ++k) {
+  for (int k = 0; k < loop.frame_count(); ++k) {
     bytes_.push_back(to_image(loop.frame(k)));
     bytes_.back().convertTo(floats_.emplace_back(), CV_32F);
   }

@@ -3,6 +3,7 @@
 // read out; they differ in what is transformed, in the product and in the normalisation.
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "correlation/engines.h"
 #include "correlation/fft.h"
@@ -11,73 +12,46 @@
 namespace lsv {
 namespace {
 
-/// Zero padding as wide as the search range keeps the circular correlation free of wrap-around
-/// at every lag that is read.
-FftShape padded_shape(const FrameFormat& format, const LagRange& lags) {
-  return {.rows = fast_fft_length(format.height_px + lags.max_dy_px),
-          .cols = fast_fft_length(format.width_px + lags.max_dx_px),
-          .input_rows = format.height_px,
-          .output_edge_rows = lags.max_dy_px};
-}
-
 class FftCorrelator : public Correlator {
  public:
   FftCorrelator(const FrameFormat& format, const LagRange& lags)
       : Correlator(format, lags),
-        fft_(make_real_fft2d(padded_shape(format, lags))),
-        product_(fft_->spectrum_size()),
-        correlation_(fft_->image_size()),
+        fft_({.width = format.width_px,
+              .height = format.height_px,
+              .max_dx = lags.max_dx_px,
+              .max_dy = lags.max_dy_px}),
         column_sums_(static_cast<std::size_t>(format.width_px)),
         column_squares_(static_cast<std::size_t>(format.width_px)) {}
 
   PreparedFrame make_prepared_frame() const override {
     PreparedFrame out;
     out.format = format();
-    out.stride_px = fft_->shape().cols;
-    out.centred = AlignedBuffer<float>(fft_->image_size());
-    out.spectrum = AlignedBuffer<std::complex<float>>(fft_->spectrum_size());
+    out.stride_px = stride_px();
+    out.centred = AlignedBuffer<float>(static_cast<std::size_t>(stride_px()) *
+                                       static_cast<std::size_t>(format().height_px));
+    out.spectrum = AlignedBuffer<std::complex<float>>(fft_.spectrum_size());
     return out;
   }
 
   void correlate(const PreparedFrame& earlier, const PreparedFrame& later,
                  CorrelationPlane& plane) override {
-    multiply(earlier, later);
-    fft_->inverse(product_.data(), correlation_.data());
-    read_lags(plane);
+    fft_.correlate(earlier.spectrum.data(), later.spectrum.data(), product(), plane.values.data());
     normalise(earlier, later, plane);
   }
 
  protected:
-  RealFft2d& fft() { return *fft_; }
-  AlignedBuffer<std::complex<float>>& product() { return product_; }
+  int stride_px() const { return (format().width_px + 15) / 16 * 16; }
+  SpectralCorrelation& fft() { return fft_; }
   AlignedBuffer<double>& column_sums() { return column_sums_; }
   AlignedBuffer<double>& column_squares() { return column_squares_; }
-  float inverse_scale() const { return 1.0F / static_cast<float>(fft_->image_size()); }
+  float inverse_scale() const { return 1.0F / fft_.scale(); }
 
-  virtual void multiply(const PreparedFrame& earlier, const PreparedFrame& later) {
-    kernels::multiply_conj(earlier.spectrum.data(), later.spectrum.data(), product_.size(),
-                           product_.data());
-  }
+  virtual SpectrumProduct product() const { return kernels::multiply_conj; }
   virtual void normalise(const PreparedFrame& earlier, const PreparedFrame& later,
                          CorrelationPlane& plane) = 0;
 
  private:
-  /// Negative lags stand at the far end of the circular result.
-  void read_lags(CorrelationPlane& plane) const {
-    const auto [rows, cols, input_rows, edge] = fft_->shape();
-    const LagRange& range = plane.lags;
-    float* out = plane.values.data();
-    for (int dy = -range.max_dy_px; dy <= range.max_dy_px; ++dy) {
-      const float* const row =
-          correlation_.data() + static_cast<std::ptrdiff_t>(dy < 0 ? rows + dy : dy) * cols;
-      out = std::copy_n(row + cols - range.max_dx_px, range.max_dx_px, out);
-      out = std::copy_n(row, range.max_dx_px + 1, out);
-    }
-  }
-
-  std::unique_ptr<RealFft2d> fft_;
-  AlignedBuffer<std::complex<float>> product_;
-  AlignedBuffer<float> correlation_;
+  SpectralCorrelation fft_;
   AlignedBuffer<double> column_sums_;
   AlignedBuffer<double> column_squares_;
 };
@@ -96,7 +70,7 @@ class ZnccCorrelator final : public FftCorrelator {
   void prepare(const FrameView& frame, PreparedFrame& out) override {
     centre_frame(frame, out, column_sums().span(), column_squares().span());
     overlap_sums_.fill(column_sums().span(), column_squares().span(), out);
-    fft().forward(out.centred.data(), out.spectrum.data());
+    fft().forward(out.centred.data(), out.stride_px, out.spectrum.data());
   }
 
  private:
@@ -120,7 +94,7 @@ class CrossCorrelator final : public FftCorrelator {
 
   void prepare(const FrameView& frame, PreparedFrame& out) override {
     centre_frame(frame, out, column_sums().span(), column_squares().span());
-    fft().forward(out.centred.data(), out.spectrum.data());
+    fft().forward(out.centred.data(), out.stride_px, out.spectrum.data());
   }
 
  private:
@@ -141,37 +115,40 @@ AlignedBuffer<float> hann_window(int length_px) {
   return out;
 }
 
+void whitened_product(const std::complex<float>* earlier, const std::complex<float>* later,
+                      std::size_t n, std::complex<float>* out) {
+  kernels::multiply_conj(earlier, later, n, out);
+  for (std::complex<float>& value : std::span(out, n)) {
+    const float magnitude = std::sqrt(value.real() * value.real() + value.imag() * value.imag());
+    value = magnitude > 0.0F
+                ? std::complex<float>(value.real() / magnitude, value.imag() / magnitude)
+                : std::complex<float>();
+  }
+}
+
 class PhaseCorrelator final : public FftCorrelator {
  public:
   PhaseCorrelator(const FrameFormat& format, const LagRange& lags)
       : FftCorrelator(format, lags),
         window_x_(hann_window(format.width_px)),
         window_y_(hann_window(format.height_px)),
-        windowed_(fft().image_size()) {}
+        windowed_(static_cast<std::size_t>(stride_px()) *
+                  static_cast<std::size_t>(format.height_px)) {}
 
   void prepare(const FrameView& frame, PreparedFrame& out) override {
     centre_frame(frame, out, column_sums().span(), column_squares().span());
     for (int y = 0; y < format().height_px; ++y) {
       const float* const row = out.centred_row(y);
-      float* const windowed =
-          windowed_.data() + static_cast<std::ptrdiff_t>(y) * fft().shape().cols;
+      float* const windowed = windowed_.data() + static_cast<std::ptrdiff_t>(y) * out.stride_px;
       const float weight = window_y_[static_cast<std::size_t>(y)];
       for (std::size_t x = 0; x < window_x_.size(); ++x)
         windowed[x] = row[x] * (weight * window_x_[x]);
     }
-    fft().forward(windowed_.data(), out.spectrum.data());
+    fft().forward(windowed_.data(), out.stride_px, out.spectrum.data());
   }
 
  private:
-  void multiply(const PreparedFrame& earlier, const PreparedFrame& later) override {
-    FftCorrelator::multiply(earlier, later);
-    for (std::complex<float>& value : product().span()) {
-      const float magnitude = std::sqrt(value.real() * value.real() + value.imag() * value.imag());
-      value = magnitude > 0.0F
-                  ? std::complex<float>(value.real() / magnitude, value.imag() / magnitude)
-                  : std::complex<float>();
-    }
-  }
+  SpectrumProduct product() const override { return whitened_product; }
 
   void normalise(const PreparedFrame&, const PreparedFrame&, CorrelationPlane& plane) override {
     scale_plane(inverse_scale(), plane);

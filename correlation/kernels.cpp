@@ -77,8 +77,10 @@ void Centre16(const std::uint16_t* row, std::size_t n, float mean_counts, float*
   CentreRow(row, n, mean_counts, out);
 }
 
-void AccumulateColumns(const float* HWY_RESTRICT row, std::size_t n, double sign,
-                       double* HWY_RESTRICT sum, double* HWY_RESTRICT sum_sq) {
+void AccumulateColumns(const float* HWY_RESTRICT first_row, std::ptrdiff_t stride, std::size_t rows,
+                       std::size_t n, double sign, double* HWY_RESTRICT sum,
+                       double* HWY_RESTRICT sum_sq) {
+  const float* const end = first_row + static_cast<std::ptrdiff_t>(rows) * stride;
   std::size_t i = 0;
 #if HWY_HAVE_FLOAT64
   const hn::ScalableTag<double> d;
@@ -86,16 +88,25 @@ void AccumulateColumns(const float* HWY_RESTRICT row, std::size_t n, double sign
   const std::size_t lanes = hn::Lanes(d);
   const auto signs = hn::Set(d, sign);
   for (; i + lanes <= n; i += lanes) {
-    const auto value = hn::PromoteTo(d, hn::LoadU(d_float, row + i));
-    hn::StoreU(hn::Add(hn::LoadU(d, sum + i), hn::Mul(signs, value)), d, sum + i);
-    const auto square = hn::Mul(value, value);
-    hn::StoreU(hn::Add(hn::LoadU(d, sum_sq + i), hn::Mul(signs, square)), d, sum_sq + i);
+    auto sums = hn::LoadU(d, sum + i);
+    auto squares = hn::LoadU(d, sum_sq + i);
+    for (const float* row = first_row; row != end; row += stride) {
+      const auto value = hn::PromoteTo(d, hn::LoadU(d_float, row + i));
+      const auto signed_value = hn::Mul(signs, value);
+      sums = hn::Add(sums, signed_value);
+      // A double holds the square of a float exactly: fused or not, the sum is the same.
+      squares = hn::MulAdd(signed_value, value, squares);
+    }
+    hn::StoreU(sums, d, sum + i);
+    hn::StoreU(squares, d, sum_sq + i);
   }
 #endif
   for (; i < n; ++i) {
-    const double value = row[i];
-    sum[i] += sign * value;
-    sum_sq[i] += sign * (value * value);
+    for (const float* row = first_row; row != end; row += stride) {
+      const double value = row[i];
+      sum[i] += sign * value;
+      sum_sq[i] += sign * (value * value);
+    }
   }
 }
 
@@ -122,34 +133,126 @@ void OverlapTerms(const double* HWY_RESTRICT sum, const double* HWY_RESTRICT sum
   const hn::Rebind<float, decltype(d)> d_float;
   const std::size_t lanes = hn::Lanes(d);
   const auto rows = hn::Set(d, inv_root_rows);
-  const auto least = hn::Set(d, min_spread);
-  const auto one = hn::Set(d, 1.0);
+  const auto least = hn::Set(d_float, static_cast<float>(min_spread));
+  const auto one = hn::Set(d_float, 1.0F);
   for (; i + lanes <= n; i += lanes) {
     const auto root =
         hn::Mul(hn::LoadU(d, sum + i), hn::Mul(hn::LoadU(d, inv_root_cols + i), rows));
-    const auto spread = hn::Sub(hn::LoadU(d, sum_sq + i), hn::Mul(root, root));
+    const auto difference = hn::Sub(hn::LoadU(d, sum_sq + i), hn::Mul(root, root));
+    const auto spread = hn::DemoteTo(d_float, difference);
     const auto has_pattern = hn::Gt(spread, least);
     // Lanes without a pattern take the root of 1, not of a rounded-off negative.
     const auto norm = hn::Div(one, hn::Sqrt(hn::IfThenElse(has_pattern, spread, one)));
     hn::StoreU(hn::DemoteTo(d_float, root), d_float, mean_root + i);
-    hn::StoreU(hn::DemoteTo(d_float, hn::IfThenElseZero(has_pattern, norm)), d_float, inv_norm + i);
+    hn::StoreU(hn::IfThenElseZero(has_pattern, norm), d_float, inv_norm + i);
   }
 #endif
   for (; i < n; ++i) {
     const double root = sum[i] * (inv_root_cols[i] * inv_root_rows);
-    const double spread = sum_sq[i] - root * root;
+    const auto spread = static_cast<float>(sum_sq[i] - root * root);
     mean_root[i] = static_cast<float>(root);
-    inv_norm[i] = spread > min_spread ? static_cast<float>(1.0 / std::sqrt(spread)) : 0.0F;
+    inv_norm[i] = spread > static_cast<float>(min_spread) ? 1.0F / std::sqrt(spread) : 0.0F;
   }
 }
 
-template <class D>
-HWY_INLINE void ConjTimes(D d, const hn::Vec<D>& a_re, const hn::Vec<D>& a_im, hn::Vec<D>& b_re,
-                          hn::Vec<D>& b_im) {
-  (void)d;
-  const auto re = hn::Add(hn::Mul(a_re, b_re), hn::Mul(a_im, b_im));
-  b_im = hn::Sub(hn::Mul(a_re, b_im), hn::Mul(a_im, b_re));
-  b_re = re;
+void Interleave(const float* HWY_RESTRICT re, const float* HWY_RESTRICT im, std::size_t n,
+                std::complex<float>* HWY_RESTRICT out) {
+  std::size_t i = 0;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::ScalableTag<float> d;
+  const std::size_t lanes = hn::Lanes(d);
+  float* const po = reinterpret_cast<float*>(out);
+  for (; i + lanes <= n; i += lanes)
+    hn::StoreInterleaved2(hn::LoadU(d, re + i), hn::LoadU(d, im + i), d, po + 2 * i);
+#endif
+  for (; i < n; ++i) out[i] = {re[i], im[i]};
+}
+
+void Deinterleave(const std::complex<float>* HWY_RESTRICT z, std::size_t n, float* HWY_RESTRICT re,
+                  float* HWY_RESTRICT im) {
+  std::size_t i = 0;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::ScalableTag<float> d;
+  const std::size_t lanes = hn::Lanes(d);
+  const float* const pz = reinterpret_cast<const float*>(z);
+  for (; i + lanes <= n; i += lanes) {
+    hn::Vec<decltype(d)> re_lanes, im_lanes;
+    hn::LoadInterleaved2(d, pz + 2 * i, re_lanes, im_lanes);
+    hn::StoreU(re_lanes, d, re + i);
+    hn::StoreU(im_lanes, d, im + i);
+  }
+#endif
+  for (; i < n; ++i) {
+    re[i] = z[i].real();
+    im[i] = z[i].imag();
+  }
+}
+
+// The spectra of a pair of rows: two neighbouring columns at a time in 128-bit vectors, which is as
+// wide as the neighbours A[k] and B[k] in memory.
+
+void UnpackPairSpectrum(const std::complex<float>* HWY_RESTRICT z, std::size_t n,
+                        std::ptrdiff_t stride, std::complex<float>* HWY_RESTRICT out) {
+  const auto unpack = [=](std::size_t k) {
+    const std::complex<float> mirrored = std::conj(z[k == 0 ? 0 : n - k]);
+    const std::complex<float> difference = z[k] - mirrored;
+    std::complex<float>* const to = out + static_cast<std::ptrdiff_t>(k) * stride;
+    to[0] = 0.5F * (z[k] + mirrored);
+    to[1] = {0.5F * difference.imag(), -0.5F * difference.real()};
+  };
+  unpack(0);
+  std::size_t k = 1;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::FixedTag<float, 4> d;
+  const hn::RepartitionToWide<decltype(d)> d_pair;
+  HWY_ALIGN constexpr float kConj[4] = {1.0F, -1.0F, 1.0F, -1.0F};
+  const auto conj = hn::Load(d, kConj);
+  const auto halves = hn::Set(d, 0.5F);
+  const auto half_conj = hn::Mul(halves, conj);
+  for (; k + 2 <= n / 2; k += 2) {
+    const auto here = hn::LoadU(d, reinterpret_cast<const float*>(z + k));
+    const auto there = hn::LoadU(d, reinterpret_cast<const float*>(z + (n - k - 1)));
+    const auto mirrored = hn::Mul(hn::Shuffle1032(there), conj);
+    const auto a = hn::BitCast(d_pair, hn::Mul(halves, hn::Add(here, mirrored)));
+    const auto difference = hn::Shuffle2301(hn::Sub(here, mirrored));
+    const auto b = hn::BitCast(d_pair, hn::Mul(half_conj, difference));
+    float* const to = reinterpret_cast<float*>(out + static_cast<std::ptrdiff_t>(k) * stride);
+    hn::StoreU(hn::BitCast(d, hn::InterleaveLower(d_pair, a, b)), d, to);
+    hn::StoreU(hn::BitCast(d, hn::InterleaveUpper(d_pair, a, b)), d, to + 2 * stride);
+  }
+#endif
+  for (; k <= n / 2; ++k) unpack(k);
+}
+
+void PackPairSpectrum(const std::complex<float>* HWY_RESTRICT in, std::ptrdiff_t stride,
+                      std::size_t n, std::complex<float>* HWY_RESTRICT z) {
+  const auto pack = [=](std::size_t k) {
+    const std::complex<float>* const from = in + static_cast<std::ptrdiff_t>(k) * stride;
+    const std::complex<float> i_b(-from[1].imag(), from[1].real());
+    z[k == 0 ? 0 : n - k] = std::conj(from[0] - i_b);
+    z[k] = from[0] + i_b;
+  };
+  pack(0);
+  std::size_t k = 1;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::FixedTag<float, 4> d;
+  const hn::RepartitionToWide<decltype(d)> d_pair;
+  HWY_ALIGN constexpr float kConj[4] = {1.0F, -1.0F, 1.0F, -1.0F};
+  const auto conj = hn::Load(d, kConj);
+  for (; k + 2 <= n / 2; k += 2) {
+    const float* const from =
+        reinterpret_cast<const float*>(in + static_cast<std::ptrdiff_t>(k) * stride);
+    const auto here = hn::BitCast(d_pair, hn::LoadU(d, from));
+    const auto next = hn::BitCast(d_pair, hn::LoadU(d, from + 2 * stride));
+    const auto a = hn::BitCast(d, hn::InterleaveLower(d_pair, here, next));
+    const auto b = hn::BitCast(d, hn::InterleaveUpper(d_pair, here, next));
+    const auto minus_i_b = hn::Mul(hn::Shuffle2301(b), conj);
+    hn::StoreU(hn::Sub(a, minus_i_b), d, reinterpret_cast<float*>(z + k));
+    const auto mirrored = hn::Mul(hn::Add(a, minus_i_b), conj);
+    hn::StoreU(hn::Shuffle1032(mirrored), d, reinterpret_cast<float*>(z + (n - k - 1)));
+  }
+#endif
+  for (; k <= n / 2; ++k) pack(k);
 }
 
 void MultiplyConj(const std::complex<float>* a, const std::complex<float>* b, std::size_t n,
@@ -157,26 +260,27 @@ void MultiplyConj(const std::complex<float>* a, const std::complex<float>* b, st
   std::size_t i = 0;
 #if HWY_TARGET != HWY_SCALAR
   const hn::ScalableTag<float> d;
-  const std::size_t lanes = hn::Lanes(d);
-  const float* pa = reinterpret_cast<const float*>(a);
-  const float* pb = reinterpret_cast<const float*>(b);
-  float* po = reinterpret_cast<float*>(out);
-  for (; i + lanes <= n; i += lanes) {
-    hn::Vec<decltype(d)> a_re, a_im, b_re, b_im;
-    hn::LoadInterleaved2(d, pa + 2 * i, a_re, a_im);
-    hn::LoadInterleaved2(d, pb + 2 * i, b_re, b_im);
-    ConjTimes(d, a_re, a_im, b_re, b_im);
-    hn::StoreInterleaved2(b_re, b_im, d, po + 2 * i);
+  const std::size_t values = hn::Lanes(d) / 2;
+  const auto odd = hn::OddEven(hn::Set(d, -0.0F), hn::Zero(d));  // the sign bit of each im
+  for (; i + values <= n; i += values) {
+    const auto va = hn::LoadU(d, reinterpret_cast<const float*>(a + i));
+    const auto vb = hn::LoadU(d, reinterpret_cast<const float*>(b + i));
+    const auto crossed = hn::Mul(hn::DupOdd(va), hn::Shuffle2301(vb));
+    const auto product = hn::Add(hn::Mul(hn::DupEven(va), vb), hn::Xor(crossed, odd));
+    hn::StoreU(product, d, reinterpret_cast<float*>(out + i));
   }
 #endif
   // One-lane vectors, not plain floats: where the target has FMA, g++ 12 fuses the plain
   // expression in spite of -ffp-contract=off and the tail would differ from the body.
   const hn::CappedTag<float, 1> d1;
   for (; i < n; ++i) {
-    auto b_re = hn::Set(d1, b[i].real());
-    auto b_im = hn::Set(d1, b[i].imag());
-    ConjTimes(d1, hn::Set(d1, a[i].real()), hn::Set(d1, a[i].imag()), b_re, b_im);
-    out[i] = {hn::GetLane(b_re), hn::GetLane(b_im)};
+    const auto a_re = hn::Set(d1, a[i].real());
+    const auto a_im = hn::Set(d1, a[i].imag());
+    const auto b_re = hn::Set(d1, b[i].real());
+    const auto b_im = hn::Set(d1, b[i].imag());
+    const auto re = hn::Add(hn::Mul(a_re, b_re), hn::Mul(a_im, b_im));
+    const auto im = hn::Sub(hn::Mul(a_re, b_im), hn::Mul(a_im, b_re));
+    out[i] = {hn::GetLane(re), hn::GetLane(im)};
   }
 }
 
@@ -257,6 +361,10 @@ HWY_EXPORT(Centre16);
 HWY_EXPORT(AccumulateColumns);
 HWY_EXPORT(Sum);
 HWY_EXPORT(OverlapTerms);
+HWY_EXPORT(Interleave);
+HWY_EXPORT(Deinterleave);
+HWY_EXPORT(UnpackPairSpectrum);
+HWY_EXPORT(PackPairSpectrum);
 HWY_EXPORT(MultiplyConj);
 HWY_EXPORT(NormaliseOverlap);
 HWY_EXPORT(MaxValue);
@@ -276,8 +384,9 @@ void centre(const std::uint8_t* row, std::size_t n, float mean_counts, float* ou
 void centre(const std::uint16_t* row, std::size_t n, float mean_counts, float* out) {
   HWY_DYNAMIC_DISPATCH(Centre16)(row, n, mean_counts, out);
 }
-void accumulate_columns(const float* row, std::size_t n, double sign, double* sum, double* sum_sq) {
-  HWY_DYNAMIC_DISPATCH(AccumulateColumns)(row, n, sign, sum, sum_sq);
+void accumulate_columns(const float* first_row, std::ptrdiff_t stride, std::size_t rows,
+                        std::size_t n, double sign, double* sum, double* sum_sq) {
+  HWY_DYNAMIC_DISPATCH(AccumulateColumns)(first_row, stride, rows, n, sign, sum, sum_sq);
 }
 double sum(const double* values, std::size_t n) { return HWY_DYNAMIC_DISPATCH(Sum)(values, n); }
 void overlap_terms(const double* sums, const double* sum_sq, const double* inv_root_cols,
@@ -285,6 +394,20 @@ void overlap_terms(const double* sums, const double* sum_sq, const double* inv_r
                    float* inv_norm) {
   HWY_DYNAMIC_DISPATCH(OverlapTerms)
   (sums, sum_sq, inv_root_cols, inv_root_rows, min_spread, n, mean_root, inv_norm);
+}
+void interleave(const float* re, const float* im, std::size_t n, std::complex<float>* out) {
+  HWY_DYNAMIC_DISPATCH(Interleave)(re, im, n, out);
+}
+void deinterleave(const std::complex<float>* z, std::size_t n, float* re, float* im) {
+  HWY_DYNAMIC_DISPATCH(Deinterleave)(z, n, re, im);
+}
+void unpack_pair_spectrum(const std::complex<float>* z, std::size_t n, std::ptrdiff_t stride,
+                          std::complex<float>* out) {
+  HWY_DYNAMIC_DISPATCH(UnpackPairSpectrum)(z, n, stride, out);
+}
+void pack_pair_spectrum(const std::complex<float>* in, std::ptrdiff_t stride, std::size_t n,
+                        std::complex<float>* z) {
+  HWY_DYNAMIC_DISPATCH(PackPairSpectrum)(in, stride, n, z);
 }
 void multiply_conj(const std::complex<float>* a, const std::complex<float>* b, std::size_t n,
                    std::complex<float>* out) {

@@ -24,12 +24,14 @@ void centre(const Pixel* row, std::size_t n, float mean_counts, float* out) {
   for (std::size_t i = 0; i < n; ++i) out[i] = static_cast<float>(row[i]) - mean_counts;
 }
 
-inline void accumulate_columns(const float* row, std::size_t n, double sign, double* sum,
-                               double* sum_sq) {
-  for (std::size_t i = 0; i < n; ++i) {
-    const double value = row[i];
-    sum[i] += sign * value;
-    sum_sq[i] += sign * (value * value);
+inline void accumulate_columns(const float* first_row, std::ptrdiff_t stride, std::size_t rows,
+                               std::size_t n, double sign, double* sum, double* sum_sq) {
+  for (const float* row = first_row; rows > 0; --rows, row += stride) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const double value = row[i];
+      sum[i] += sign * value;
+      sum_sq[i] += sign * (value * value);
+    }
   }
 }
 
@@ -44,9 +46,39 @@ inline void overlap_terms(const double* sum, const double* sum_sq, const double*
                           float* inv_norm) {
   for (std::size_t i = 0; i < n; ++i) {
     const double root = sum[i] * (inv_root_cols[i] * inv_root_rows);
-    const double spread = sum_sq[i] - root * root;
+    const auto spread = static_cast<float>(sum_sq[i] - root * root);
     mean_root[i] = static_cast<float>(root);
-    inv_norm[i] = spread > min_spread ? static_cast<float>(1.0 / std::sqrt(spread)) : 0.0F;
+    inv_norm[i] = spread > static_cast<float>(min_spread) ? 1.0F / std::sqrt(spread) : 0.0F;
+  }
+}
+
+inline void interleave(const float* re, const float* im, std::size_t n, std::complex<float>* out) {
+  for (std::size_t i = 0; i < n; ++i) out[i] = {re[i], im[i]};
+}
+
+inline void deinterleave(const std::complex<float>* z, std::size_t n, float* re, float* im) {
+  for (std::size_t i = 0; i < n; ++i) {
+    re[i] = z[i].real();
+    im[i] = z[i].imag();
+  }
+}
+
+inline void unpack_pair_spectrum(const std::complex<float>* z, std::size_t n, std::ptrdiff_t stride,
+                                 std::complex<float>* out) {
+  for (std::size_t k = 0; k <= n / 2; ++k, out += stride) {
+    const std::complex<float> mirrored = std::conj(z[(n - k) % n]);
+    const std::complex<float> difference = z[k] - mirrored;
+    out[0] = 0.5F * (z[k] + mirrored);
+    out[1] = {0.5F * difference.imag(), -0.5F * difference.real()};
+  }
+}
+
+inline void pack_pair_spectrum(const std::complex<float>* in, std::ptrdiff_t stride, std::size_t n,
+                               std::complex<float>* z) {
+  for (std::size_t k = 0; k <= n / 2; ++k, in += stride) {
+    const std::complex<float> i_b(-in[1].imag(), in[1].real());
+    z[(n - k) % n] = std::conj(in[0] - i_b);
+    z[k] = in[0] + i_b;
   }
 }
 

@@ -149,7 +149,25 @@ std::optional<Maximum> fit_sinc(const CorrelationPlane& plane, int lag_dx_px, in
   return std::nullopt;
 }
 
+Peak& set_maximum(Peak& peak, const std::optional<Maximum>& top) {
+  if (!top) return peak;
+  peak.status = ShiftStatus::ok;
+  peak.dx_px = peak.lag_dx_px + top->dx_px;
+  peak.dy_px = peak.lag_dy_px + top->dy_px;
+  peak.value = top->value;
+  peak.shape = top->shape;
+  peak.fit = top->fit;
+  return peak;
+}
+
 }  // namespace
+
+Peak fit_nine_lags(const std::array<double, 9>& values, int lag_dx_px, int lag_dy_px) {
+  Neighbourhood f;
+  for (std::size_t i = 0; i < values.size(); ++i) f[i / 3][i % 3] = values[i];
+  Peak out{.lag_dx_px = lag_dx_px, .lag_dy_px = lag_dy_px, .lag_value = f[1][1]};
+  return set_maximum(out, fit_lags(f, PeakFit::gaussian2d));
+}
 
 Peak find_peak(const CorrelationPlane& plane, PeakFit fit) {
   const std::size_t n = plane.values.size();
@@ -169,14 +187,7 @@ Peak find_peak(const CorrelationPlane& plane, PeakFit fit) {
   const std::optional<Maximum> top =
       fit == PeakFit::sinc ? fit_sinc(plane, out.lag_dx_px, out.lag_dy_px)
                            : fit_lags(neighbourhood(plane, out.lag_dx_px, out.lag_dy_px), fit);
-  if (!top) return out;
-  out.status = ShiftStatus::ok;
-  out.dx_px = out.lag_dx_px + top->dx_px;
-  out.dy_px = out.lag_dy_px + top->dy_px;
-  out.value = top->value;
-  out.shape = top->shape;
-  out.fit = top->fit;
-  return out;
+  return set_maximum(out, top);
 }
 
 }  // namespace lsv

@@ -13,6 +13,8 @@
 // sampled too coarsely, where interpolation is pulled towards whole lags.
 #pragma once
 
+#include <array>
+
 #include "correlation/correlator.h"
 #include "lsv/core/config.h"
 #include "lsv/core/shift.h"
@@ -36,9 +38,13 @@ struct Peak {
   double dx_px = kUnknown;      // sub-pixel position; NaN unless ok
   double dy_px = kUnknown;
   double value = kUnknown;  // the model at its maximum; NaN unless ok
-  PeakShape shape;          // NaN unless ok
+  PeakShape shape{};        // NaN unless ok
 };
 
 Peak find_peak(const CorrelationPlane& plane, PeakFit fit);
+
+/// The gaussian2d model through nine lags, row by row, around (lag_dx_px, lag_dy_px). `ok` or
+/// `flat_peak`; the middle lag need not be the highest.
+Peak fit_nine_lags(const std::array<double, 9>& values, int lag_dx_px, int lag_dy_px);
 
 }  // namespace lsv

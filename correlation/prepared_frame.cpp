@@ -54,10 +54,14 @@ void centre_frame(const FrameView& frame, PreparedFrame& out, std::span<double> 
   std::fill(column_sums.begin(), column_sums.end(), 0.0);
   std::fill(column_squares.begin(), column_squares.end(), 0.0);
   const auto mean = static_cast<float>(out.stats.mean_counts);
-  for (int y = 0; y < height; ++y) {
-    float* const row = out.centred.data() + static_cast<std::ptrdiff_t>(y) * out.stride_px;
-    centre_row(frame, y, mean, row);
-    kernels::accumulate_columns(row, static_cast<std::size_t>(width), 1.0, column_sums.data(),
+  constexpr int kBlock_rows = 8;  // centred, then summed while they are in the cache
+  for (int first = 0; first < height; first += kBlock_rows) {
+    const int rows = std::min(kBlock_rows, height - first);
+    float* const block = out.centred.data() + static_cast<std::ptrdiff_t>(first) * out.stride_px;
+    for (int y = 0; y < rows; ++y)
+      centre_row(frame, first + y, mean, block + static_cast<std::ptrdiff_t>(y) * out.stride_px);
+    kernels::accumulate_columns(block, out.stride_px, static_cast<std::size_t>(rows),
+                                static_cast<std::size_t>(width), 1.0, column_sums.data(),
                                 column_squares.data());
   }
   double sum = 0.0;
@@ -99,28 +103,33 @@ void OverlapSums::fill(std::span<const double> column_sums, std::span<const doub
     fill_row(0, out);
     for (int dy = 1; dy <= lags_.max_dy_px; ++dy) {
       const int dropped_row = side > 0 ? dy - 1 : format_.height_px - dy;
-      kernels::accumulate_columns(out.centred_row(dropped_row), width, -1.0, column_sums_.data(),
-                                  column_squares_.data());
+      kernels::accumulate_columns(out.centred_row(dropped_row), out.stride_px, 1, width, -1.0,
+                                  column_sums_.data(), column_squares_.data());
       fill_row(side * dy, out);
     }
   }
 }
 
+void OverlapSums::fill_lags() {
+  const auto width = static_cast<std::size_t>(format_.width_px);
+  const auto max_dx = static_cast<std::size_t>(lags_.max_dx_px);
+  const double sum = kernels::sum(column_sums_.data(), width);
+  const double square = kernels::sum(column_squares_.data(), width);
+  lag_sums_[max_dx] = sum;
+  lag_squares_[max_dx] = square;
+  // Of columns [dx, W) and of columns [0, W - dx).
+  double right_sum = sum, left_sum = sum, right_square = square, left_square = square;
+  for (std::size_t dx = 1; dx <= max_dx; ++dx) {
+    lag_sums_[max_dx + dx] = right_sum -= column_sums_[dx - 1];
+    lag_sums_[max_dx - dx] = left_sum -= column_sums_[width - dx];
+    lag_squares_[max_dx + dx] = right_square -= column_squares_[dx - 1];
+    lag_squares_[max_dx - dx] = left_square -= column_squares_[width - dx];
+  }
+}
+
 void OverlapSums::fill_row(int dy_px, PreparedFrame& out) {
   const int width = format_.width_px;
-  const auto columns = static_cast<std::size_t>(width);
-  double* const sums = lag_sums_.data() + lags_.max_dx_px;
-  double* const squares = lag_squares_.data() + lags_.max_dx_px;
-  sums[0] = kernels::sum(column_sums_.data(), columns);
-  squares[0] = kernels::sum(column_squares_.data(), columns);
-  const double* const column_sum = column_sums_.data();
-  const double* const column_square = column_squares_.data();
-  for (int dx = 1; dx <= lags_.max_dx_px; ++dx) {
-    sums[dx] = sums[dx - 1] - column_sum[dx - 1];  // columns [dx, W)
-    squares[dx] = squares[dx - 1] - column_square[dx - 1];
-    sums[-dx] = sums[1 - dx] - column_sum[width - dx];  // columns [0, W - dx)
-    squares[-dx] = squares[1 - dx] - column_square[width - dx];
-  }
+  fill_lags();
   const int rows_kept = format_.height_px - std::abs(dy_px);
   const std::size_t lag_count = lag_sums_.size();
   const std::size_t at = static_cast<std::size_t>(dy_px + lags_.max_dy_px) * lag_count;

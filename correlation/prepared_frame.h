@@ -32,7 +32,7 @@ struct PreparedFrame {
   FrameFormat format;
   FrameStats stats;
   int stride_px = 0;                            // of `centred`
-  AlignedBuffer<float> centred;                 // pixel - mean, zero outside the frame
+  AlignedBuffer<float> centred;                 // pixel - mean, zero beyond the width
   AlignedBuffer<std::complex<float>> spectrum;  // empty for engines without an FFT
   OverlapTables overlap;                        // empty for engines that do not need it
 
@@ -67,6 +67,7 @@ class OverlapSums {
             PreparedFrame& out);
 
  private:
+  void fill_lags();
   void fill_row(int dy_px, PreparedFrame& out);
 
   FrameFormat format_;

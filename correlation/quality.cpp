@@ -30,11 +30,6 @@ PeakWindow peak_window(const CorrelationPlane& plane, const Peak& peak) {
           .max_dy = std::min(peak.lag_dy_px + ry, lags.max_dy_px)};
 }
 
-/// sqrt|W|: the squared width of the peak, geometric mean over its axes.
-double width_px2(const PeakShape& w) {
-  return std::sqrt(std::max(0.0, w.xx_px2 * w.yy_px2 - w.xy_px2 * w.xy_px2));
-}
-
 struct Background {
   double highest = kUnknown;
   double sum_squares = 0.0;
@@ -110,12 +105,27 @@ double undersampling_error_px(double width_variance_px2) {
 
 }  // namespace
 
+double peak_width_px2(const PeakShape& w) {
+  return std::sqrt(std::max(0.0, w.xx_px2 * w.yy_px2 - w.xy_px2 * w.xy_px2));
+}
+
+double outlier_probability(double zncc_sigmas) {
+  constexpr double kOffset = 11.83;
+  constexpr double kPerSigma = 3.28;
+  return 1.0 / (1.0 + std::exp(kPerSigma * zncc_sigmas - kOffset));
+}
+
+double zncc_in_sigmas(double zncc, const PeakShape& shape, double overlap_px) {
+  return zncc / std::sqrt(std::numbers::pi * peak_width_px2(shape) / overlap_px);
+}
+
 ShiftQuality measure_quality(const CorrelationPlane& plane, const Peak& peak, double overlap_px,
                              std::optional<double> zncc) {
   ShiftQuality out;
   const double plane_top = std::isnan(peak.value) ? peak.lag_value : peak.value;
   out.zncc = zncc.value_or(std::min(1.0, plane_top));
-  out.zncc_sigmas = out.zncc / std::sqrt(std::numbers::pi * width_px2(peak.shape) / overlap_px);
+  out.zncc_sigmas = zncc_in_sigmas(out.zncc, peak.shape, overlap_px);
+  out.outlier_probability = outlier_probability(out.zncc_sigmas);
   const double top = peak.lag_value;
   if (!(top > 0.0)) return out;  // nothing correlates: ratios to it mean nothing
 
@@ -147,7 +157,7 @@ ShiftError shift_error(const Peak& peak, double zncc, const FrameStats& earlier,
   const double r2 = pattern_zncc * pattern_zncc;
   const double decorrelation = kSpeckleFactor * kSpeckleFactor * (1.0 - r2) / r2;
   const double per_w_px2 = (2.0 * noise_variance / signal_variance +
-                            std::numbers::pi / 2.0 * decorrelation * width_px2(w)) /
+                            std::numbers::pi / 2.0 * decorrelation * peak_width_px2(w)) /
                            overlap_px;
   const double side_px = std::sqrt(overlap_px);
   const auto model_variance = [&](double axis_px2) {

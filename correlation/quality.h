@@ -28,11 +28,23 @@ namespace lsv {
 ShiftQuality measure_quality(const CorrelationPlane& plane, const Peak& peak, double overlap_px,
                              std::optional<double> zncc = std::nullopt);
 
+/// Probability that the highest peak over all lags is not the one of the motion. A logistic model
+/// of zncc_sigmas, fitted to 3414 simulated pairs (48 to 128 px, 3 to 8 px speckle, correlation 0
+/// to 0.6, 1416 of them wrong). Q and the peak ratio say far less (log likelihood -1111 against
+/// -514) and add nothing to it.
+double outlier_probability(double zncc_sigmas);
+
 /// What the covariance rests on besides the peak itself.
 struct ErrorModel {
   double noise_sd_counts = 0.0;  // temporal noise of one pixel in either frame
   Engine engine = Engine::zncc;
 };
+
+/// sqrt|W|, px^2: the squared width of the peak, geometric mean over its axes.
+double peak_width_px2(const PeakShape& shape);
+
+/// zncc / sqrt(pi sqrt|W| / N), see zncc_sigmas above.
+double zncc_in_sigmas(double zncc, const PeakShape& shape, double overlap_px);
 
 struct ShiftError {
   ShiftCovariance cov;

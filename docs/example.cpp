@@ -22,11 +22,11 @@ int main() {
   while (next_frame(pixels, frame.stamp)) {
     const auto report = odometer.value().push(frame);  // allocates nothing, prints nothing
     if (!report) return std::puts(report.error().message.c_str()), 1;
-    const auto& [index, stamp, dt_ns, shift, velocity, position] = report.value();
-    if (shift.status == lsv::ShiftStatus::ok)
-      std::printf("%.4f +- %.4f m/s\n", velocity.vx_m_s, velocity.sigma_vx_m_s);
+    const lsv::StepReport& step = report.value();
+    if (step.shift.status == lsv::ShiftStatus::ok)
+      std::printf("%.4f +- %.4f m/s\n", step.velocity.vx_m_s, step.velocity.sigma_vx_m_s);
     else
-      std::printf("no velocity: %s\n", lsv::word(shift.status).data());
+      std::printf("no velocity: %s\n", lsv::word(step.shift.status).data());
     ++frame.index;
   }
 }

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The streaming measurement pipeline: push frames, get shift, velocity and position.
 //
-//   frame -> correlate with the frame before -> sub-pixel peak -> quality -> gate
-//         -> velocity (calibration) -> integrated position
+//   frame -> shift of the pattern and its position (keyframe_odometry.h; the preset `classic`:
+//   frame_to_frame.h) -> velocity and position on the ground (calibration)
 //
 // create() makes plans and memory for one frame format; push() allocates nothing, never prints
 // and never blocks on I/O. One odometer serves one sensor and one thread at a time. Equal frames
 // give equal results to the bit.
 #pragma once
 
-#include <memory>
+#include <optional>
+#include <variant>
 
 #include "calibration/scale.h"
-#include "correlation/correlator.h"
-#include "correlation/quality.h"
 #include "lsv/core/config.h"
 #include "lsv/core/frame.h"
 #include "lsv/core/result.h"
 #include "lsv/core/step_report.h"
-#include "lsv/integrate.h"
+#include "lsv/frame_to_frame.h"
+#include "lsv/keyframe_odometry.h"
 
 namespace lsv {
 
@@ -33,30 +33,24 @@ class Odometer {
   /// is not kept.
   Result<StepReport> push(const FrameView& frame);
 
-  const LagRange& lags() const { return correlator_->lags(); }
-  /// The plane of the latest pair that was correlated; overwritten by the next push.
-  const CorrelationPlane& plane() const { return plane_; }
+  /// Searched where nothing is known: see CorrelationConfig::max_shift_px.
+  const LagRange& lags() const;
+  /// The correlation over all lags that belongs to the latest accepted shift. Where the shift was
+  /// found without it, it is made now. Overwritten by the next push.
+  const CorrelationPlane& plane();
 
  private:
-  struct Slot {
-    PreparedFrame frame;
-    ShiftStatus fitness = ShiftStatus::first_frame;
-    Stamp stamp{};
-  };
+  using Follower = std::variant<KeyframeOdometry, FrameToFrame>;
 
-  Odometer(const TrackConfig& config, std::unique_ptr<Correlator> correlator);
-
+  Odometer(const TrackConfig& config, const FrameFormat& format, Follower follower);
+  static Result<Follower> make_follower(const TrackConfig& config, const FrameFormat& format);
   Result<void> check(const FrameView& frame) const;
-  Shift measure();
 
-  TrackConfig config_;
+  FrameFormat format_;
   PixelScale scale_;
-  std::unique_ptr<Correlator> correlator_;
-  CorrelationPlane plane_;
-  Slot earlier_;
-  Slot later_;
-  Stamp last_stamp_{};  // of the frame pushed last, frozen ones included
-  Integrator integrator_;
+  Follower follower_;
+  std::optional<Stamp> last_stamp_;  // of the frame pushed last
+  Stamp first_stamp_{};
 };
 
 }  // namespace lsv

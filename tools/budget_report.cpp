@@ -33,6 +33,7 @@ void append_head(std::string& out, const Budget& b) {
   append(out, "           SIMD %s, FFT %s\n", b.simd_target.c_str(), b.fft_backend.c_str());
   append(out, "frames     %d x %d px, %d bit, simulated speckle\n", b.format.width_px,
          b.format.height_px, b.format.bit_depth);
+  append(out, "motion     random jumps: every frame needs the full search, the worst case\n");
   append(out, "settings   engine %s, peak fit %s, lags +-%d x +-%d px\n",
          std::string(word(b.correlation.engine)).c_str(),
          std::string(word(b.correlation.peak_fit)).c_str(), b.lags.max_dx_px, b.lags.max_dy_px);
@@ -44,7 +45,7 @@ void append_unpaced(std::string& out, const UnpacedTimes& t) {
   append_row(out, "prepare", t.prepare);
   append_row(out, "correlate", t.correlate);
   append_row(out, "peak and quality", t.peak_and_quality);
-  append(out, "  %-26s %9s %9.1f\n", "gate, scale, integrate", "", t.rest_p50_us);
+  append(out, "  %-26s %9s %9.1f\n", "follow, gate, scale", "", t.rest_p50_us);
   append_row(out, "whole push", t.push);
   append(out,
          "  at most %.0f frames per second; %zu of %zu shifts refused, largest error %.4f px\n",

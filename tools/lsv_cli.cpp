@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   int exit_code = kExitOk;
   add_track_command(app, exit_code);
   add_info_command(app, exit_code);
+  add_shift_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_budget_command(app, exit_code);
   if (const Result<void> words = check_command_words(app, argc, argv); !words)

@@ -14,10 +14,13 @@ std::size_t there_and_back(std::int64_t k, std::size_t frames) {
 
 Result<SimulatedLoop> SimulatedLoop::render(const sim::SpeckleConfig& camera, double max_step_px,
                                             int frames) {
+  return render(camera, sim::random_shifts(max_step_px, max_step_px, frames, camera.seed), frames);
+}
+
+Result<SimulatedLoop> SimulatedLoop::render(const sim::SpeckleConfig& camera,
+                                            const sim::MotionProfile& motion, int frames) {
   Result<sim::SpeckleCamera> source = sim::SpeckleCamera::create(camera);
   if (!source) return source.error();
-  const sim::MotionProfile motion =
-      sim::random_shifts(max_step_px, max_step_px, frames, camera.seed);
   SimulatedLoop loop;
   loop.frame_rate_hz_ = camera.frame_rate_hz;
   for (int k = 0; k < frames; ++k) {

@@ -27,7 +27,11 @@ class SimulatedLoop {
   /// `frames` >= 2 frames of `camera`; the shifts are random, up to `max_step_px` along each axis.
   static Result<SimulatedLoop> render(const sim::SpeckleConfig& camera, double max_step_px,
                                       int frames);
+  /// The same with frames along `motion`; played there and back, its speed turns at the ends.
+  static Result<SimulatedLoop> render(const sim::SpeckleConfig& camera,
+                                      const sim::MotionProfile& motion, int frames);
 
+  int frame_count() const { return static_cast<int>(frames_.size()); }
   const FrameFormat& format() const { return frames_.front().format; }
   /// Frame `k` >= 0 of the endless recording, with its stamp. Lives as long as the loop.
   FrameView frame(std::int64_t k) const;

@@ -142,7 +142,7 @@ Result<TrackOutputs> TrackOutputs::open(OutputPaths paths, const RunInfo& info,
 }
 
 Result<void> TrackOutputs::write(const StepReport& report, const FrameView& frame,
-                                 const Odometer& odometer) {
+                                 Odometer& odometer) {
   if (Result<void> kept = keep_pair(report, frame, odometer); !kept) return kept;
   for (const auto& sink : sinks_) {
     if (Result<void> written = sink->write(report); !written) return written;
@@ -151,7 +151,7 @@ Result<void> TrackOutputs::write(const StepReport& report, const FrameView& fram
 }
 
 Result<void> TrackOutputs::keep_pair(const StepReport& report, const FrameView& frame,
-                                     const Odometer& odometer) {
+                                     Odometer& odometer) {
   const bool correlated = !std::isnan(report.shift.quality.zncc);
   const bool wanted =
       report_frame_ ? report.frame == *report_frame_ : report.shift.status == ShiftStatus::ok;

@@ -41,7 +41,7 @@ class TrackOutputs {
                                    const std::vector<std::string>& inputs);
 
   /// `odometer` has just made `report` from `frame`.
-  Result<void> write(const StepReport& report, const FrameView& frame, const Odometer& odometer);
+  Result<void> write(const StepReport& report, const FrameView& frame, Odometer& odometer);
   Result<void> finish(const RunEnd& end);
 
   Summary summary() const { return summary_->summary(); }
@@ -49,8 +49,7 @@ class TrackOutputs {
   bool lacks_report_frame() const { return report_ != nullptr && report_frame_ && !pair_kept_; }
 
  private:
-  Result<void> keep_pair(const StepReport& report, const FrameView& frame,
-                         const Odometer& odometer);
+  Result<void> keep_pair(const StepReport& report, const FrameView& frame, Odometer& odometer);
 
   std::vector<std::unique_ptr<TrackSink>> sinks_;
   SummaryBuilder* summary_ = nullptr;  // one of sinks_

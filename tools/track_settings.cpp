@@ -65,11 +65,12 @@ void add_source_settings(CLI::App& command, Settings& settings, SourceOptions& s
 namespace {
 
 void add_correlation(CLI::App& command, Settings& settings, CorrelationConfig& correlation) {
-  settings.add(command, "engine", "--engine", "zncc, cross, phase or direct",
+  settings.add(command, "engine", "--engine", "Of the full search: zncc, cross, phase or direct",
                std::string(word(correlation.engine)),
                one_of(correlation.engine, engine_from, "zncc, cross, phase, direct"));
   settings.add(
-      command, "peak_fit", "--peak-fit", "sinc, gaussian2d, gaussian3 or parabola3",
+      command, "peak_fit", "--peak-fit",
+      "Of the full search: sinc, gaussian2d, gaussian3 or parabola3",
       std::string(word(correlation.peak_fit)),
       one_of(correlation.peak_fit, peak_fit_from, "sinc, gaussian2d, gaussian3, parabola3"));
   settings.add(command, "max_shift_px", "--max-shift",
@@ -107,6 +108,13 @@ void add_track_settings(CLI::App& command, Settings& settings, TrackSettings& ta
   add_source_settings(command, settings, target.source);
   settings.add(command, "calibration", "--calibration", "Calibration file (TOML)", "",
                text(target.calibration_path));
+  settings.add(command, "preset", "--preset",
+               "precise (keyframes and IC-GN), fast (keyframes) or classic (frame to frame by FFT)",
+               std::string(word(target.config.preset)),
+               one_of(target.config.preset, preset_from, "precise, fast, classic"));
+  settings.add_switch(command, "deformation", "--deformation,!--no-deformation",
+                      "Measure rotation and expansion too (JSON Lines) [false]",
+                      target.config.measure_deformation);
   add_correlation(command, settings, target.config.correlation);
   add_gate(command, settings, target.config.gate);
   settings.add(command, "max_rejected_share", "--max-rejected",

@@ -9,6 +9,10 @@
 namespace lsv {
 namespace {
 
+constexpr std::array kPresets = {std::pair{Preset::precise, std::string_view("precise")},
+                                 std::pair{Preset::fast, std::string_view("fast")},
+                                 std::pair{Preset::classic, std::string_view("classic")}};
+
 constexpr std::array kEngines = {std::pair{Engine::zncc, std::string_view("zncc")},
                                  std::pair{Engine::cross, std::string_view("cross")},
                                  std::pair{Engine::phase, std::string_view("phase")},
@@ -47,17 +51,24 @@ bool not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
 
 }  // namespace
 
+std::optional<Preset> preset_from(std::string_view name) {
+  return value_in<Preset>(kPresets, name);
+}
 std::optional<Engine> engine_from(std::string_view name) {
   return value_in<Engine>(kEngines, name);
 }
 std::optional<PeakFit> peak_fit_from(std::string_view name) {
   return value_in<PeakFit>(kPeakFits, name);
 }
+std::string_view word(Preset preset) { return word_in(kPresets, preset); }
 std::string_view word(Engine engine) { return word_in(kEngines, engine); }
 std::string_view word(PeakFit fit) { return word_in(kPeakFits, fit); }
 
 Result<void> validate(const TrackConfig& config) {
-  const auto& [correlation, gate, calibration] = config;
+  const auto& [preset, measure_deformation, correlation, gate, calibration] = config;
+  if (measure_deformation && preset == Preset::classic)
+    return Error{ErrorCode::invalid_argument,
+                 "deformation is not measured by the preset classic: use precise or fast"};
   if (correlation.max_shift_px && *correlation.max_shift_px < 2)
     return out_of_range("max_shift_px", *correlation.max_shift_px, "at least 2");
   if (!within(gate.min_zncc, -1.0, 1.0))

@@ -12,6 +12,13 @@
 
 namespace lsv {
 
+/// How the pattern is followed from frame to frame.
+enum class Preset {
+  precise,  // against keyframes, nine lags around the prediction, IC-GN refinement (default)
+  fast,     // the same without refinement
+  classic,  // every frame against the one before, by a full search: the method of the source
+};
+
 /// How the correlation plane over the lags is computed.
 enum class Engine {
   zncc,    // zero-normalised cross-correlation, exact overlap at each lag, by FFT (default)
@@ -28,11 +35,15 @@ enum class PeakFit {
   parabola3,   // separable 3-point parabola
 };
 
+std::optional<Preset> preset_from(std::string_view word);
 std::optional<Engine> engine_from(std::string_view word);
 std::optional<PeakFit> peak_fit_from(std::string_view word);
+std::string_view word(Preset preset);
 std::string_view word(Engine engine);
 std::string_view word(PeakFit fit);
 
+/// The full search: what `classic` does for every pair, the other presets where they have no
+/// prediction or it failed.
 struct CorrelationConfig {
   Engine engine = Engine::zncc;
   PeakFit peak_fit = PeakFit::sinc;
@@ -67,9 +78,12 @@ struct Calibration {
 };
 
 struct TrackConfig {
-  CorrelationConfig correlation;
-  GateConfig gate;
-  Calibration calibration;
+  Preset preset = Preset::precise;
+  /// Rotation and expansion from frame to frame; not with `classic`. Frames of 64 px and more.
+  bool measure_deformation = false;
+  CorrelationConfig correlation{};
+  GateConfig gate{};
+  Calibration calibration{};
 };
 
 /// The first setting that is out of its range, named with its value.

@@ -58,6 +58,7 @@ struct ShiftQuality {
   double peak_ratio = kUnknown;   // highest / second highest peak of the plane, >= 1
   double peak_to_rms = kUnknown;  // peak / rms of the plane outside the peak
   double zncc_sigmas = kUnknown;  // zncc / its standard deviation between unrelated patterns
+  double outlier_probability = kUnknown;  // that the peak of a full search is the wrong one, [0, 1]
 };
 
 /// Symmetric 2 x 2 covariance in px^2.

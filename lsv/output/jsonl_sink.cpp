@@ -32,6 +32,7 @@ ordered_json row_of(const StepReport& report) {
   row["peak_ratio"] = shift.quality.peak_ratio;
   row["peak_to_rms"] = shift.quality.peak_to_rms;
   row["zncc_sigmas"] = shift.quality.zncc_sigmas;
+  row["outlier_probability"] = shift.quality.outlier_probability;
   row["dx_px"] = if_ok(shift.dx_px);
   row["dy_px"] = if_ok(shift.dy_px);
   row["cov_px2"] = {if_ok(shift.cov.xx_px2), if_ok(shift.cov.xy_px2), if_ok(shift.cov.yy_px2)};
@@ -43,6 +44,14 @@ ordered_json row_of(const StepReport& report) {
   row["y_m"] = report.position.y_m;
   row["sigma_x_m"] = report.position.sigma_x_m;
   row["sigma_y_m"] = report.position.sigma_y_m;
+  row["search"] = word(report.search);
+  row["keyframe"] = report.keyframe;
+  row["segment"] = report.segment;
+  row["motion"] = word(report.motion);
+  row["rotation_rad"] = report.deformation.rotation_rad;
+  row["sigma_rotation_rad"] = report.deformation.sigma_rotation_rad;
+  row["expansion_ratio"] = report.deformation.expansion_ratio;
+  row["sigma_expansion_ratio"] = report.deformation.sigma_expansion_ratio;
   return row;
 }
 

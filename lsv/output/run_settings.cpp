@@ -30,7 +30,7 @@ std::int64_t whole(int value) { return value; }
 }  // namespace
 
 std::vector<Setting> run_settings(const RunInfo& info) {
-  const auto& [correlation, gate, calibration] = info.config;
+  const auto& [preset, measure_deformation, correlation, gate, calibration] = info.config;
   return {
       {"lsv_version", info.version},
       {"source", info.source_description},
@@ -39,6 +39,8 @@ std::vector<Setting> run_settings(const RunInfo& info) {
       {"bit_depth", whole(info.format.bit_depth)},
       {"time_base", info.time_base},
       {"index_step", info.index_step},
+      {"preset", std::string(word(preset))},
+      {"deformation", measure_deformation},
       {"engine", std::string(word(correlation.engine))},
       {"peak_fit", std::string(word(correlation.peak_fit))},
       {"max_shift_x_px", whole(info.max_shift.max_dx_px)},

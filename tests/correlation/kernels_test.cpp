@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "correlation/kernels_ref.h"
@@ -87,10 +88,12 @@ TEST_P(KernelsTest, AccumulateColumnsIsExact) {
   for (const std::size_t n : kLengths) {
     std::vector<double> sum(n, 0.25), sum_sq(n, 0.5);
     std::vector<double> want_sum = sum, want_sum_sq = sum_sq;
-    for (const double sign : {1.0, 1.0, -1.0}) {
-      const auto row = random_floats(n);
-      accumulate_columns(row.data(), n, sign, sum.data(), sum_sq.data());
-      ref::accumulate_columns(row.data(), n, sign, want_sum.data(), want_sum_sq.data());
+    const auto stride = static_cast<std::ptrdiff_t>(n + 3);
+    for (const auto& [rows, sign] : {std::pair{1U, 1.0}, {8U, 1.0}, {3U, -1.0}}) {
+      const auto image = random_floats((n + 3) * rows);
+      accumulate_columns(image.data(), stride, rows, n, sign, sum.data(), sum_sq.data());
+      ref::accumulate_columns(image.data(), stride, rows, n, sign, want_sum.data(),
+                              want_sum_sq.data());
     }
     EXPECT_EQ(sum, want_sum) << n;
     EXPECT_EQ(sum_sq, want_sum_sq) << n;
@@ -113,6 +116,37 @@ TEST_P(KernelsTest, OverlapTermsAreExact) {
     EXPECT_EQ(root, want_root) << n;
     EXPECT_EQ(norm, want_norm) << n;
     EXPECT_NEAR(kernels::sum(sum.data(), n), ref::sum(sum.data(), n), 1e-9) << n;
+  }
+}
+
+TEST_P(KernelsTest, InterleaveAndDeinterleaveAreExact) {
+  for (const std::size_t n : kLengths) {
+    const auto re = random_floats(n), im = random_floats(n);
+    std::vector<std::complex<float>> got(n), want(n);
+    interleave(re.data(), im.data(), n, got.data());
+    ref::interleave(re.data(), im.data(), n, want.data());
+    EXPECT_EQ(got, want) << n;
+    std::vector<float> got_re(n), got_im(n);
+    deinterleave(want.data(), n, got_re.data(), got_im.data());
+    EXPECT_EQ(got_re, re) << n;
+    EXPECT_EQ(got_im, im) << n;
+  }
+}
+
+TEST_P(KernelsTest, PairSpectraAreExactAndComeBack) {
+  for (const std::size_t n : {2U, 4U, 6U, 12U, 20U, 96U, 160U, 1280U}) {
+    constexpr std::size_t kStride = 5;
+    std::vector<std::complex<float>> z(n), back(n), want_back(n);
+    const auto parts = random_floats(2 * n);
+    interleave(parts.data(), parts.data() + n, n, z.data());
+    std::vector<std::complex<float>> got((n / 2 + 1) * kStride), want(got.size());
+    unpack_pair_spectrum(z.data(), n, kStride, got.data());
+    ref::unpack_pair_spectrum(z.data(), n, kStride, want.data());
+    EXPECT_EQ(got, want) << n;
+    pack_pair_spectrum(want.data(), kStride, n, back.data());
+    ref::pack_pair_spectrum(want.data(), kStride, n, want_back.data());
+    EXPECT_EQ(back, want_back) << n;
+    for (std::size_t k = 0; k < n; ++k) EXPECT_NEAR(std::abs(back[k] - z[k]), 0.0, 3e-7) << k;
   }
 }
 

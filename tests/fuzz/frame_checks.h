@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -10,17 +11,22 @@
 
 namespace lsv::fuzz {
 
-inline void require(bool holds) {
-  if (!holds) std::abort();
+/// `rule` says what must hold; the log of a failed run names it.
+inline void require(bool holds, const char* rule) {
+  if (holds) return;
+  std::fprintf(stderr, "ERROR: does not hold: %s\n", rule);
+  std::abort();
 }
 
 inline void check_format(const FrameFormat& format, std::int64_t max_pixels) {
-  require(format.width_px > 0 && format.height_px > 0);
-  require(std::int64_t{format.width_px} * format.height_px <= max_pixels);
+  require(format.width_px > 0 && format.height_px > 0, "a frame holds a pixel");
+  require(std::int64_t{format.width_px} * format.height_px <= max_pixels,
+          "a frame is within the limit of pixels");
   if (format.type == PixelType::mono8) {
-    require(format.bit_depth == 8);
+    require(format.bit_depth == 8, "bytes have 8 bits");
   } else {
-    require(format.bit_depth >= 10 && format.bit_depth <= 16 && format.bit_depth % 2 == 0);
+    require(format.bit_depth >= 10 && format.bit_depth <= 16 && format.bit_depth % 2 == 0,
+            "words have 10, 12, 14 or 16 bits");
   }
 }
 

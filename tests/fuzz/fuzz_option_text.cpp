@@ -18,14 +18,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text(reinterpret_cast<const char*>(data), size);
   if (const auto raw = lsv::parse_raw_format(text)) {
     const lsv::RawFormat& value = raw.value();
-    require(value.format.width_px > 0 && value.format.height_px > 0 && value.header_bytes >= 0);
+    require(value.format.width_px > 0 && value.format.height_px > 0 && value.header_bytes >= 0,
+            "a raw frame holds a pixel");
     const auto again = lsv::parse_raw_format(text_of(value));
     require(again && again.value().format == value.format &&
-            again.value().header_bytes == value.header_bytes);
+                again.value().header_bytes == value.header_bytes,
+            "a raw format reads back as written");
   }
   if (const auto roi = lsv::parse_roi(text)) {
     const lsv::Roi& value = roi.value();
-    require(value.x_px >= 0 && value.y_px >= 0 && value.width_px > 0 && value.height_px > 0);
+    require(value.x_px >= 0 && value.y_px >= 0 && value.width_px > 0 && value.height_px > 0,
+            "a region holds a pixel");
   }
   return 0;
 }

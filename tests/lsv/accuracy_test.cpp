@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Accuracy and honesty of the default pipeline on simulated drives of known motion. The limits of
+// Accuracy and honesty of the pipeline on simulated drives of known motion. The limits of
 // the first case are those the product promises; the others are twice what was measured when the
 // sigma model was fitted, so that a lost digit shows.
 #include <gtest/gtest.h>
@@ -49,6 +49,9 @@ std::vector<Condition> conditions() {
     const std::string name = condition.name;
     CorrelationConfig& correlation = condition.config.correlation;
     if (name == "low_light") condition.config.calibration.noise_sd_counts = 2.0;
+    // Engines and peak fits are judged where nothing refines what they find.
+    if (name.ends_with("_engine") || peak_fit_from(name) || name == "speckle_2px")
+      condition.config.preset = Preset::classic;
     if (name == "cross_engine") correlation.engine = Engine::cross;
     if (name == "phase_engine") correlation.engine = Engine::phase;
     if (const auto fit = peak_fit_from(name)) correlation.peak_fit = *fit;

@@ -104,6 +104,32 @@ TEST_P(AllocationIn, PushAllocatesNothing) {
   }
 }
 
+TEST(Allocation, NoPresetAllocates) {
+  for (const Preset preset : {Preset::precise, Preset::fast, Preset::classic}) {
+    TrackConfig config = test::bridget_config();
+    config.preset = preset;
+    sim::SpeckleCamera camera =
+        sim::SpeckleCamera::create({.width_px = 72, .height_px = 64}).value();
+    Odometer odometer = Odometer::create(config, sim::frame_format(camera.config())).value();
+    std::vector<Frame> frames(40);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      // New keyframes on the way, and a jump to other ground.
+      const double x_px = 2.3 * static_cast<double>(i) + (i > 30 ? 400.0 : 0.0);
+      ASSERT_TRUE(camera.render(static_cast<std::int64_t>(i), {.x_px = x_px}, frames[i]));
+    }
+    g_allocations = 0;
+    int accepted = 0;
+    for (const Frame& frame : frames) {
+      g_counting = true;
+      const Result<StepReport> report = odometer.push(frame.view());
+      g_counting = false;
+      if (report && report.value().shift.status == ShiftStatus::ok) ++accepted;
+    }
+    EXPECT_EQ(accepted, 38) << word(preset);
+    EXPECT_EQ(g_allocations, 0) << word(preset);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(EveryEngine, AllocationIn,
                          testing::Values(Engine::zncc, Engine::cross, Engine::phase,
                                          Engine::direct),

@@ -102,11 +102,87 @@ TEST_F(OdometerTest, ADarkFrameHoldsThePositionAndInventsNothing) {
     EXPECT_TRUE(std::isnan(dark.velocity.vx_m_s));
     EXPECT_EQ(dark.position.x_m, before.position.x_m);
   }
-  // The pair with the dark frame is lost as well; the next one counts again.
-  EXPECT_EQ(push_at(5, 9.0, 1.0).shift.status, ShiftStatus::dark);
-  const StepReport after = push_at(6, 12.0, 1.0);
+  // The ground of the last accepted frame is still in view: the gap is bridged, not guessed.
+  const StepReport after = push_at(5, 9.0, 1.0);
   ASSERT_EQ(after.shift.status, ShiftStatus::ok);
-  EXPECT_NEAR(after.position.x_m - before.position.x_m, 3.0 * 14e-6 / 1.985, 2e-7);
+  EXPECT_EQ(after.search, Search::full_range);
+  EXPECT_EQ(after.dt_ns, 4 * kPeriod_ns);
+  EXPECT_EQ(after.segment, 0);
+  EXPECT_NEAR(after.shift.dx_px, 6.0, 0.005);
+  EXPECT_NEAR(after.position.x_m - before.position.x_m, 6.0 * 14e-6 / 1.985, 4e-8);
+}
+
+// While the laser was off the vehicle went further than the frame is wide.
+TEST_F(OdometerTest, GroundThatIsGoneBeginsASegmentAndInventsNoDistance) {
+  push_at(0, 0.0, 0.0);
+  const StepReport before = push_at(1, 3.0, 1.0);
+  push(constant(format_, 2, 3));
+  const StepReport lost = push_at(3, 500.0, 80.0);
+  EXPECT_NE(lost.shift.status, ShiftStatus::ok);
+  EXPECT_EQ(lost.segment, 0);
+  const StepReport found = push_at(4, 502.5, 80.0);
+  ASSERT_EQ(found.shift.status, ShiftStatus::ok);
+  EXPECT_EQ(found.segment, 1);
+  EXPECT_EQ(found.dt_ns, kPeriod_ns);
+  EXPECT_NEAR(found.shift.dx_px, 2.5, 0.005);
+  EXPECT_NEAR(found.position.x_m - before.position.x_m, 2.5 * 14e-6 / 1.985, 4e-8);
+}
+
+TEST_F(OdometerTest, OneFrameOfOtherGroundIsBridged) {
+  push_at(0, 0.0, 0.0);
+  push_at(1, 1.0, 0.0);
+  EXPECT_NE(push_at(2, 900.0, 0.0).shift.status, ShiftStatus::ok);
+  const StepReport after = push_at(3, 3.0, 0.0);
+  ASSERT_EQ(after.shift.status, ShiftStatus::ok);
+  EXPECT_EQ(after.segment, 0);
+  EXPECT_NEAR(after.shift.dx_px, 2.0, 0.005);
+  EXPECT_NEAR(after.position.x_m, 3.0 * 14e-6 / 1.985, 6e-8);
+}
+
+TEST_F(OdometerTest, AStopAndAStartAreFollowed) {
+  double x_px = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const double step_px = i < 20 ? 4.0 : i < 40 ? 0.0 : -6.5;
+    x_px += i == 0 ? 0.0 : step_px;
+    const StepReport report = push_at(i, x_px, -0.4 * x_px);
+    if (i == 0) continue;
+    ASSERT_EQ(report.shift.status, ShiftStatus::ok) << i;
+    EXPECT_NEAR(report.shift.dx_px, step_px, 0.005) << i;
+    EXPECT_NEAR(report.position.x_m, x_px * 14e-6 / 1.985, 1e-7) << i;
+  }
+}
+
+TEST_F(OdometerTest, ParkedStaysAtRestAndCreepingDoesNot) {
+  for (int i = 0; i < 150; ++i) {
+    const StepReport parked = push_at(i, 0.0, 0.0);
+    EXPECT_NE(parked.motion, MotionState::moving) << i;
+    EXPECT_EQ(parked.motion == MotionState::at_rest, i >= 50) << i;
+    EXPECT_NEAR(parked.position.x_m, 0.0, 0.005 * 14e-6 / 1.985) << i;
+  }
+  int moving = 0;
+  double x_px = 0.0;
+  for (int i = 150; i < 300; ++i) {
+    x_px += 0.001;  // 20 frames to leave the place
+    const StepReport creeping = push_at(i, x_px, 0.0);
+    moving += creeping.motion == MotionState::moving ? 1 : 0;
+    EXPECT_NEAR(creeping.position.x_m, x_px * 14e-6 / 1.985, 0.005 * 14e-6 / 1.985) << i;
+  }
+  EXPECT_GT(moving, 120);
+}
+
+// Frame after frame the keyframe stays; it changes before half of it has left the view.
+TEST_F(OdometerTest, AKeyframeServesWhileItIsInView) {
+  std::int64_t keyframe = 0;
+  int changes = 0;
+  for (int i = 0; i < 100; ++i) {
+    const StepReport report = push_at(i, 2.0 * i, 0.0);
+    if (report.keyframe == keyframe) continue;
+    EXPECT_LE(2.0 * static_cast<double>(report.keyframe - keyframe), 0.5 * format_.width_px);
+    keyframe = report.keyframe;
+    ++changes;
+  }
+  EXPECT_GE(changes, 3);
+  EXPECT_LE(changes, 12);
 }
 
 TEST_F(OdometerTest, SaturatedAndEvenFramesAreRefused) {

@@ -174,7 +174,7 @@ TEST(BudgetProgram, TableForPeopleAndJsonInAFile) {
   ASSERT_TRUE(result.exit_code == 0 || result.exit_code == 4) << result.err;
   for (const char* text : {"machine", "SIMD", "32 x 32 px, 12 bit", "engine cross", "+-8 x +-8 px",
                            "us ", "p99.9", "prepare", "correlate", "peak and quality",
-                           "gate, scale, integrate", "whole push", "latency", "headroom", "Hz"})
+                           "follow, gate, scale", "whole push", "latency", "headroom", "Hz"})
     EXPECT_NE(result.out.find(text), std::string::npos) << text << " in\n" << result.out;
   EXPECT_NE(result.out.find(result.exit_code == 0 ? " holds" : " does not hold"),
             std::string::npos);

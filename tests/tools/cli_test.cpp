@@ -215,7 +215,7 @@ TEST(Track, TooManyRefusedShiftsAreExitCodeFour) {
   for (const char* column : {"dx_px", "sigma_dx_px", "zncc", "q", "vx_m_s", "x_m", "y_m"})
     EXPECT_EQ(table.text(last, column), "") << column;
   EXPECT_EQ(table.text(last, "status"), "below_zncc_gate");
-  EXPECT_EQ(track({kStack, "--min-zncc", "0.99999", "--max-rejected", "1"}).exit_code, 4)
+  EXPECT_EQ(track({kStack, "--min-zncc", "1", "--max-rejected", "1"}).exit_code, 4)
       << "a run without a single shift is never fine";
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/support/csv_table.h"
 #include "tests/support/run_program.h"
@@ -45,6 +46,56 @@ TEST(Info, SaysWhatTheSampleFramesAre) {
   EXPECT_EQ(words.exit_code, 0);
   EXPECT_NE(words.out.find("128 x 128 px"), std::string::npos);
   EXPECT_NE(words.out.find("contrast"), std::string::npos);
+}
+
+TEST(Shift, OfTwoImagesAsJson) {
+  const std::string folder = test::fresh_directory();
+  ASSERT_EQ(
+      simulate({"-o", folder + "/p.tif", "--frames", "4", "--size", "96x80", "--rate-hz", "1000",
+                "--profile", "random", "--speed-px", "6", "--speed-y-px", "6", "--seed", "9"})
+          .exit_code,
+      0);
+  const test::CsvTable truth(read_text(folder + "/truth.csv"));
+  const ProgramResult pairs = lsv_run({"shift", "--pairs", folder + "/p.tif"});
+  ASSERT_EQ(pairs.exit_code, 0) << pairs.err;
+  std::istringstream lines(pairs.out);
+  std::string line;
+  for (const std::size_t later : {std::size_t{1}, std::size_t{3}}) {
+    ASSERT_TRUE(std::getline(lines, line));
+    const auto row = nlohmann::json::parse(line);
+    EXPECT_EQ(row.at("frame_b"), later);
+    EXPECT_EQ(row.at("status"), "ok");
+    EXPECT_EQ(row.at("refined"), true);
+    EXPECT_NEAR(row.at("dx_px"), truth.number(later, "dx_px"), 0.005);
+    EXPECT_NEAR(row.at("dy_px"), truth.number(later, "dy_px"), 0.005);
+    EXPECT_LT(row.at("outlier_probability"), 1e-6);
+  }
+  EXPECT_FALSE(std::getline(lines, line));
+}
+
+// B before A: the opposite shift, whatever the names of the files.
+TEST(Shift, TheOrderGivenIsTheOrderMeant) {
+  const std::string a = kSamples + "/drive_png/frame_00050.png";
+  const std::string b = kSamples + "/drive_png/frame_00053.png";
+  const std::string plane = test::fresh_directory() + "/plane.csv";
+  const auto ab = nlohmann::json::parse(lsv_run({"shift", a, b, "--plane", plane}).out);
+  const auto ba = nlohmann::json::parse(lsv_run({"shift", b, a}).out);
+  ASSERT_EQ(ab.at("status"), "ok");
+  EXPECT_GT(std::abs(ab.at("dx_px").get<double>()), 0.5);
+  EXPECT_NEAR(ab.at("dx_px").get<double>(), -ba.at("dx_px").get<double>(), 0.005);
+  EXPECT_NEAR(ab.at("dy_px").get<double>(), -ba.at("dy_px").get<double>(), 0.005);
+  const test::CsvTable table(read_text(plane));
+  EXPECT_EQ(table.rows(), 65U);
+  EXPECT_EQ(table.number(0, "dy_px"), -32);
+}
+
+TEST(Shift, RefusesWhatIsNoPair) {
+  const std::string a = kSamples + "/drive_png/frame_00000.png";
+  EXPECT_EQ(lsv_run({"shift", a}).exit_code, 2);
+  EXPECT_EQ(lsv_run({"shift", a, a, a}).exit_code, 2);
+  EXPECT_EQ(lsv_run({"shift", "--pairs", a, a, a}).exit_code, 3);
+  EXPECT_EQ(lsv_run({"shift", a, kSamples + "/none.png"}).exit_code, 3);
+  EXPECT_EQ(lsv_run({"shift", "--pairs", a, a, "--plane", "p.csv"}).exit_code, 2);
 }
 
 TEST(Info, RefusesAsTrackDoes) {

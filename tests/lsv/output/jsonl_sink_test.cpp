@@ -35,9 +35,12 @@ TEST(JsonlSink, AnAcceptedFrame) {
   const json row = rows_of(sample_reports())[1];
   EXPECT_EQ(row, json::parse(R"({"frame":1,"time_ns":10000000,"time_s":0.01,"dt_s":0.01,
       "status":"ok","held":false,"zncc":0.875,"q":9.5,"peak_ratio":3.0,"peak_to_rms":12.0,"zncc_sigmas":null,
+      "outlier_probability":null,
       "dx_px":1.5,"dy_px":-2.25,"cov_px2":[0.0025,0.0001,0.0036],"vx_m_s":0.1,"vy_m_s":-0.2,
       "sigma_vx_m_s":0.001,"sigma_vy_m_s":0.002,"x_m":0.001,"y_m":-0.002,
-      "sigma_x_m":1e-5,"sigma_y_m":2e-5})"));
+      "sigma_x_m":1e-5,"sigma_y_m":2e-5,"search":"predicted","keyframe":0,"segment":2,
+      "motion":"moving","rotation_rad":null,"sigma_rotation_rad":null,"expansion_ratio":null,
+      "sigma_expansion_ratio":null})"));
 }
 
 TEST(JsonlSink, ARefusedFrameKeepsItsQualityAndHoldsItsPosition) {

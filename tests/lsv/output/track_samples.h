@@ -102,6 +102,10 @@ inline StepReport accepted_after(const StepReport& before) {
                   .cov = {.xx_px2 = 0.0025, .xy_px2 = 0.0001, .yy_px2 = 0.0036},
                   .quality = {.zncc = 0.875, .q = 9.5, .peak_ratio = 3.0, .peak_to_rms = 12.0},
                   .status = ShiftStatus::ok};
+  report.search = Search::predicted;
+  report.keyframe = 0;
+  report.segment = 2;
+  report.motion = MotionState::moving;
   report.velocity = {0.1, -0.2, 0.001, 0.002};
   report.position = {before.position.x_m + 0.001, before.position.y_m - 0.002, 1e-5, 2e-5};
   return report;

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tracking engine: the shift of a later frame against a reference whose place is nearly known.
+//   guess -> climb the ZNCC of whole lags -> 2-D Gaussian through nine lags -> IC-GN refinement
+// It looks a few px around the guess only: a shift that it reports is the nearest maximum of the
+// ZNCC, and whether that is the right one is for the gates to judge.
+#pragma once
+
+#include "correlation/icgn.h"
+#include "correlation/lag_window.h"
+#include "correlation/track_frame.h"
+#include "lsv/core/shift.h"
+
+namespace lsv {
+
+/// Whole lags and a peak fit, or these and Gauss-Newton.
+enum class Refinement { none, icgn };
+
+struct TrackedShift {
+  /// `peak_at_border`: no maximum near the guess; `flat_peak`: none with a shape. Quality: zncc and
+  /// zncc_sigmas only, nothing else of the plane was looked at.
+  Shift shift{};
+  /// The parts of shift.cov, see icgn.h. Without refinement all is noise.
+  ShiftCovariance noise_cov{};
+  ShiftCovariance boiling_cov{};
+  double boiling_ratio = 0.0;
+  /// Two shifts against the same reference share its noise, half of noise_cov each. Not so without
+  /// refinement, where the error of the peak fit is most of it.
+  bool keyframe_noise_cancels = false;
+};
+
+/// One object per thread; allocates at construction only.
+class Tracker {
+ public:
+  Tracker(const FrameFormat& format, Refinement refinement, double noise_sd_counts);
+
+  /// Makes `reference` from `frame`, with weights for the speckle size found in it.
+  void build(const TrackFrame& frame, TrackReference& reference) const;
+
+  /// `reference` was built from `earlier`. The guess is where the pattern should have moved.
+  TrackedShift measure(const TrackFrame& earlier, const TrackReference& reference,
+                       const TrackFrame& later, double guess_dx_px, double guess_dy_px);
+
+ private:
+  FrameFormat format_;
+  Refinement refinement_;
+  double noise_sd_counts_;
+  IcGn icgn_;
+};
+
+}  // namespace lsv

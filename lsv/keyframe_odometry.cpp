@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lsv/keyframe_odometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "lsv/gate.h"
+
+namespace lsv {
+namespace {
+
+ShiftCovariance weighted_sum(const ShiftCovariance& a, double wa, const ShiftCovariance& b,
+                             double wb) {
+  return {wa * a.xx_px2 + wb * b.xx_px2, wa * a.xy_px2 + wb * b.xy_px2,
+          wa * a.yy_px2 + wb * b.yy_px2};
+}
+
+double trace(const ShiftCovariance& cov) { return cov.xx_px2 + cov.yy_px2; }
+
+// Pattern within this distance, or 5 sigma, for this many frames: at rest.
+constexpr double kRestRadius_px = 0.01;
+constexpr double kRestSigmas = 5.0;
+constexpr int kRestFrames = 50;
+
+// Beyond, a keyframe is given up whatever the errors say.
+constexpr double kMaxKeyframeShift = 0.5;  // of the side of the frame
+constexpr double kMinKeyframeZncc = 0.5;
+
+}  // namespace
+
+KeyframeOdometry::KeyframeOdometry(ShiftMeter meter, std::optional<DeformationMeter> deformation)
+    : meter_(std::move(meter)),
+      deformation_(std::move(deformation)),
+      reference_(meter_.make_reference()) {
+  for (Slot& slot : slots_) slot.frame = meter_.make_frame();
+}
+
+KeyframeOdometry::SlotIndex KeyframeOdometry::free_slot() const {
+  for (SlotIndex i = 0; i < slots_.size(); ++i) {
+    if (i != keyframe_ && i != last_ && i != before_ && i != doubtful_) return i;
+  }
+  return 0;  // four names, five slots
+}
+
+PatternStep KeyframeOdometry::step(const FrameView& frame) {
+  const SlotIndex now = free_slot();
+  slots_[now].frame.load(frame);
+  slots_[now].stamp = frame.stamp;
+  slots_[now].index = frame.index;
+  plane_is_latest_ = false;
+
+  const ShiftStatus fitness = meter_.fitness(slots_[now].frame);
+  if (fitness != ShiftStatus::ok) {
+    const bool is_first = !last_ && last_unfit_ == ShiftStatus::first_frame;
+    last_unfit_ = fitness;
+    has_speed_ = false;
+    return refused(is_first ? ShiftStatus::first_frame : fitness, {});
+  }
+  if (!last_) return first(now);
+  for (const std::optional<SlotIndex>& earlier : {last_, doubtful_}) {
+    if (earlier && meter_.frozen(slots_[*earlier].frame, slots_[now].frame))
+      return refused(ShiftStatus::frozen, {});
+  }
+  if (has_speed_) {
+    if (std::optional<PatternStep> followed = follow(now)) return *followed;
+  }
+  return search(now);
+}
+
+PatternStep KeyframeOdometry::first(SlotIndex now) {
+  // What came before could not be used: its reason stands for the shift that is missing.
+  PatternStep out = refused(last_unfit_, {});
+  last_ = now;
+  set_keyframe(now, {});
+  out.keyframe = slots_[now].index;
+  return out;
+}
+
+PatternStep KeyframeOdometry::refused(ShiftStatus status, const ShiftQuality& quality) {
+  PatternStep out;
+  out.shift.status = status;
+  out.shift.quality = quality;
+  out.since = last_ ? slots_[*last_].stamp : Stamp{};
+  out.keyframe = keyframe_ ? slots_[*keyframe_].index : -1;
+  out.segment = segment_;
+  out.x_px = last_place_.x_px;
+  out.y_px = last_place_.y_px;
+  out.position_cov = last_place_.cov;
+  return out;
+}
+
+std::optional<PatternStep> KeyframeOdometry::follow(SlotIndex now) {
+  const auto dt_ns = static_cast<double>(slots_[now].stamp.ns - slots_[*last_].stamp.ns);
+  const TrackedShift tracked =
+      meter_.follow(slots_[*keyframe_].frame, reference_, slots_[now].frame,
+                    last_place_.x_px - key_place_.x_px + vx_px_per_ns_ * dt_ns,
+                    last_place_.y_px - key_place_.y_px + vy_px_per_ns_ * dt_ns);
+  if (tracked.shift.status != ShiftStatus::ok) return std::nullopt;
+  return accept(now, tracked, Search::predicted);
+}
+
+PatternStep KeyframeOdometry::search(SlotIndex now) {
+  has_speed_ = false;
+  // The last accepted frame is nearer than the keyframe: more of it is still in view.
+  if (keyframe_ != last_) set_keyframe(*last_, last_place_);
+  TrackedShift found = meter_.search(slots_[*last_].frame, reference_, slots_[now].frame);
+  plane_is_latest_ = true;
+  const ShiftQuality quality = found.shift.quality;
+  const ShiftStatus reason = found.shift.status;
+  if (reason != ShiftStatus::ok && begin_segment_at_doubtful(now)) {
+    found = meter_.search(slots_[*last_].frame, reference_, slots_[now].frame);
+  }
+  if (found.shift.status == ShiftStatus::ok) return accept(now, found, Search::full_range);
+  doubtful_ = now;
+  return refused(reason, quality);
+}
+
+bool KeyframeOdometry::begin_segment_at_doubtful(SlotIndex now) {
+  if (!doubtful_) return false;
+  const Shift same_ground = meter_.acquire(slots_[*doubtful_].frame, slots_[now].frame);
+  if (same_ground.status != ShiftStatus::ok) return false;
+  last_ = doubtful_;
+  before_.reset();
+  set_keyframe(*last_, last_place_);
+  ++segment_;
+  return true;
+}
+
+PatternStep KeyframeOdometry::accept(SlotIndex now, const TrackedShift& tracked, Search search) {
+  const auto dt_ns = static_cast<double>(slots_[now].stamp.ns - slots_[*last_].stamp.ns);
+  ++steps_since_keyframe_;
+  const Shift& measured = tracked.shift;
+  Place place{.x_px = key_place_.x_px + measured.dx_px,
+              .y_px = key_place_.y_px + measured.dy_px,
+              .cov = weighted_sum(key_place_.cov, 1.0, measured.cov, 1.0),
+              .noise_cov = tracked.noise_cov,
+              .boiling_cov = tracked.boiling_cov};
+
+  PatternStep out;
+  out.shift = measured;
+  out.shift.dx_px = place.x_px - last_place_.x_px;
+  out.shift.dy_px = place.y_px - last_place_.y_px;
+  if (keyframe_ != last_) {
+    // Half of the noise of either shift is the keyframe's and cancels; the pattern has boiled
+    // since the last frame by one step of many.
+    const ShiftCovariance noise =
+        tracked.keyframe_noise_cancels
+            ? weighted_sum(place.noise_cov, 0.5, last_place_.noise_cov, 0.5)
+            : weighted_sum(place.noise_cov, 1.0, last_place_.noise_cov, 1.0);
+    out.shift.cov = weighted_sum(noise, 1.0, place.boiling_cov, 1.0 / steps_since_keyframe_);
+  }
+  out.since = slots_[*last_].stamp;
+  out.search = search;
+  out.keyframe = slots_[*keyframe_].index;
+  out.segment = segment_;
+  out.x_px = place.x_px;
+  out.y_px = place.y_px;
+  out.position_cov = place.cov;
+
+  if (deformation_)
+    out.deformation = deformation_->measure(slots_[*last_].frame, slots_[now].frame,
+                                            out.shift.dx_px, out.shift.dy_px);
+
+  vx_px_per_ns_ = out.shift.dx_px / dt_ns;
+  vy_px_per_ns_ = out.shift.dy_px / dt_ns;
+  has_speed_ = true;
+  last_unfit_ = ShiftStatus::ok;
+  const double dx_px = out.shift.dx_px;
+  const double dy_px = out.shift.dy_px;
+  before_ = last_;
+  last_ = now;
+  last_place_ = place;
+  doubtful_.reset();
+  out.motion = motion_at(place);
+  if (wants_keyframe(tracked, dx_px, dy_px)) set_keyframe(now, place);
+  return out;
+}
+
+/// Rest is a matter of time as well as of distance: whoever creeps leaves the place in the end.
+MotionState KeyframeOdometry::motion_at(const Place& place) {
+  const double variance_px2 = std::max(trace(place.cov) - trace(rest_place_.cov), 0.0) +
+                              trace(place.noise_cov) + trace(place.boiling_cov);
+  const double radius_px = std::max(kRestRadius_px, kRestSigmas * std::sqrt(variance_px2));
+  const double distance_px =
+      std::hypot(place.x_px - rest_place_.x_px, place.y_px - rest_place_.y_px);
+  if (distance_px > radius_px) {
+    rest_place_ = place;
+    frames_near_rest_place_ = 0;
+    return motion_ = MotionState::moving;
+  }
+  if (++frames_near_rest_place_ >= kRestFrames) motion_ = MotionState::at_rest;
+  return motion_;
+}
+
+void KeyframeOdometry::set_keyframe(SlotIndex slot, const Place& place) {
+  keyframe_ = slot;
+  key_place_ = place;
+  steps_since_keyframe_ = 0;
+  meter_.build(slots_[slot].frame, reference_);
+}
+
+/// Whether another frame on this keyframe would raise the error per frame: the variance of one
+/// link of the chain, divided by the frames that it spans, has its minimum here.
+bool KeyframeOdometry::wants_keyframe(const TrackedShift& tracked, double dx_px,
+                                      double dy_px) const {
+  const FrameFormat& format = meter_.format();
+  const auto share = [](double shift_px, int side_px) {
+    return 1.0 - std::abs(shift_px) / side_px;
+  };
+  const double sx_px = last_place_.x_px - key_place_.x_px;
+  const double sy_px = last_place_.y_px - key_place_.y_px;
+  const double next_x = share(sx_px + dx_px, format.width_px);
+  const double next_y = share(sy_px + dy_px, format.height_px);
+  if (std::min(next_x, next_y) < 1.0 - kMaxKeyframeShift) return true;
+  if (tracked.shift.quality.zncc < kMinKeyframeZncc) return true;
+
+  const double steps = steps_since_keyframe_;
+  const double overlap_ratio =
+      share(sx_px, format.width_px) * share(sy_px, format.height_px) / (next_x * next_y);
+  // The correlation of the pattern falls by the same factor at every step.
+  const double ratio = tracked.boiling_ratio;
+  const double boiling_growth = ratio > 1e-9
+                                    ? (std::pow(1.0 + ratio, (steps + 1.0) / steps) - 1.0) / ratio
+                                    : (steps + 1.0) / steps;
+  const double noise = trace(tracked.noise_cov);
+  const double boiling = trace(tracked.boiling_cov);
+  const double per_step = (noise + boiling) / steps;
+  const double next_per_step = (noise * overlap_ratio + boiling * boiling_growth) / (steps + 1.0);
+  return next_per_step > per_step;
+}
+
+const CorrelationPlane& KeyframeOdometry::plane() {
+  if (!plane_is_latest_ && before_ && last_) {
+    (void)meter_.acquire(slots_[*before_].frame, slots_[*last_].frame);
+    plane_is_latest_ = true;
+  }
+  return meter_.plane();
+}
+
+}  // namespace lsv

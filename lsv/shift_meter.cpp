@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lsv/shift_meter.h"
+
+#include <cmath>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "correlation/quality.h"
+#include "lsv/gate.h"
+
+namespace lsv {
+namespace {
+
+Refinement refinement_of(Preset preset) {
+  return preset == Preset::precise ? Refinement::icgn : Refinement::none;
+}
+
+/// Two estimates of the same maximum differ by less.
+constexpr double kSameMaximum_px = 1.5;
+
+}  // namespace
+
+Result<ShiftMeter> ShiftMeter::create(const TrackConfig& config, const FrameFormat& format) {
+  if (const Result<void> valid = validate(config); !valid) return valid.error();
+  const std::string size =
+      std::to_string(format.width_px) + " x " + std::to_string(format.height_px) + " px";
+  if (!is_possible(format)) {
+    return Error{ErrorCode::invalid_argument, "frames of " + size + " with " +
+                                                  std::to_string(format.bit_depth) +
+                                                  " bit cannot be tracked"};
+  }
+  try {
+    Result<Acquisition> acquisition = Acquisition::create(config, format);
+    if (!acquisition) return acquisition.error();
+    return ShiftMeter(config, format, std::move(acquisition).value());
+  } catch (const std::bad_alloc&) {
+    return Error{ErrorCode::invalid_argument,
+                 "there is not enough memory for frames of " + size +
+                     " with this search range: use --roi or a smaller --max-shift"};
+  }
+}
+
+ShiftMeter::ShiftMeter(const TrackConfig& config, const FrameFormat& format,
+                       Acquisition acquisition)
+    : preset_(config.preset),
+      gate_(config.gate),
+      camera_(config.calibration),
+      format_(format),
+      acquisition_(std::move(acquisition)),
+      tracker_(format, refinement_of(config.preset), config.calibration.noise_sd_counts) {}
+
+TrackReference ShiftMeter::make_reference() const {
+  return preset_ == Preset::precise ? TrackReference(format_) : TrackReference();
+}
+
+ShiftStatus ShiftMeter::fitness(const TrackFrame& frame) const {
+  return judge_frame(format_, frame.stats(), gate_, camera_);
+}
+
+bool ShiftMeter::frozen(const TrackFrame& earlier, const TrackFrame& later) const {
+  return gate_.refuse_frozen && camera_.noise_sd_counts > 0.0 && later.same_pixels(earlier);
+}
+
+Shift ShiftMeter::acquire(const TrackFrame& earlier, const TrackFrame& later) {
+  const Shift out = acquisition_.measure(earlier, later);
+  if (out.status == ShiftStatus::ok) last_search_ = out.quality;
+  return out;
+}
+
+TrackedShift ShiftMeter::search(const TrackFrame& earlier, const TrackReference& reference,
+                                const TrackFrame& later) {
+  return refine(earlier, reference, later, acquire(earlier, later));
+}
+
+TrackedShift ShiftMeter::refine(const TrackFrame& earlier, const TrackReference& reference,
+                                const TrackFrame& later, const Shift& acquired) {
+  TrackedShift found{.shift = acquired, .noise_cov = acquired.cov, .boiling_cov = {0.0, 0.0, 0.0}};
+  if (acquired.status != ShiftStatus::ok || preset_ == Preset::classic) return found;
+  const TrackedShift refined =
+      tracker_.measure(earlier, reference, later, acquired.dx_px, acquired.dy_px);
+  // At the edge of what overlaps the tracker has nothing to add, and elsewhere it must agree.
+  if (refined.shift.status != ShiftStatus::ok ||
+      std::abs(refined.shift.dx_px - acquired.dx_px) > kSameMaximum_px ||
+      std::abs(refined.shift.dy_px - acquired.dy_px) > kSameMaximum_px)
+    return found;
+  found = refined;
+  take_background(found.shift.quality);
+  found.shift = with_status(found.shift, judge_shift(found.shift, gate_));
+  return found;
+}
+
+TrackedShift ShiftMeter::follow(const TrackFrame& earlier, const TrackReference& reference,
+                                const TrackFrame& later, double guess_dx_px, double guess_dy_px) {
+  TrackedShift out = tracker_.measure(earlier, reference, later, guess_dx_px, guess_dy_px);
+  take_background(out.shift.quality);
+  out.shift = with_status(out.shift, judge_shift(out.shift, gate_));
+  return out;
+}
+
+void ShiftMeter::take_background(ShiftQuality& quality) const {
+  quality.outlier_probability = outlier_probability(quality.zncc_sigmas);
+  const double ratio = quality.zncc / last_search_.zncc;
+  quality.q = last_search_.q * ratio;
+  quality.peak_ratio = last_search_.peak_ratio * ratio;
+  quality.peak_to_rms = last_search_.peak_to_rms * ratio;
+}
+
+}  // namespace lsv
