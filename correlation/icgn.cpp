@@ -153,7 +153,7 @@ bool IcGn::iterate(const TrackReference& reference, const TrackFrame& later, boo
 
   // Gain and offset are eliminated first; `projected` is what they explain of a product.
   const double det = s.vv * s.n - s.v * s.v;
-  if (!(det > 0.0) || !(s.n > kMinRegion_px * kMinRegion_px / 2)) return false;
+  if (!(det > 0.0) || !(s.n > 0.5 * kMinRegion_px * kMinRegion_px)) return false;
   const auto projected = [&](double av, double a1, double bv, double b1) {
     return (s.n * av * bv - s.v * (av * b1 + a1 * bv) + s.vv * a1 * b1) / det;
   };

@@ -267,15 +267,15 @@ ReferenceSums ReferenceSumsOf(const ReferencePlanes& reference, const Region& re
   const Columns columns(d, region);
   FillInside(columns, region, columns.end - columns.begin + lanes, inside);
   ReferenceSums out;
-  auto n = hn::Zero(d), v = n, vv = n, x_ = n, y_ = n, xv = n, yv = n, xx = n, xy = n, yy = n;
+  auto n = hn::Zero(d), v = n, vv = n, sx = n, sy = n, xv = n, yv = n, xx = n, xy = n, yy = n;
   auto next = n;
   const auto flush = [&] {
     out.n += Total(d, n), out.n_next_row += Total(d, next);
     out.v += Total(d, v), out.vv += Total(d, vv);
-    out.x += Total(d, x_), out.y += Total(d, y_);
+    out.x += Total(d, sx), out.y += Total(d, sy);
     out.xv += Total(d, xv), out.yv += Total(d, yv);
     out.xx += Total(d, xx), out.xy += Total(d, xy), out.yy += Total(d, yy);
-    n = next = v = vv = x_ = y_ = xv = yv = xx = xy = yy = hn::Zero(d);
+    n = next = v = vv = sx = sy = xv = yv = xx = xy = yy = hn::Zero(d);
   };
   for (int row = 0; row < region.height_px; ++row) {
     const int y = region.y_px + row;
@@ -292,8 +292,8 @@ ReferenceSums ReferenceSumsOf(const ReferencePlanes& reference, const Region& re
       if (below != y)
         next = hn::MulAdd(weight, Weight(d, hn::Load(d, reference.value.at(x, below)), in), next);
       v = hn::Add(v, value);
-      x_ = hn::Add(x_, gx);
-      y_ = hn::Add(y_, gy);
+      sx = hn::Add(sx, gx);
+      sy = hn::Add(sy, gy);
       vv = hn::MulAdd(value, value, vv);
       xv = hn::MulAdd(gx, value, xv);
       yv = hn::MulAdd(gy, value, yv);

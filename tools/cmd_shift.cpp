@@ -119,9 +119,9 @@ Result<void> write_plane(const std::string& path, const CorrelationPlane& plane)
 
 /// True when a frame was read, false at the end of the input.
 Result<bool> next_pair(FrameSource& source, Frame& a, Frame& b) {
-  const Result<bool> first = source.next(a);
+  Result<bool> first = source.next(a);
   if (!first || !first.value()) return first;
-  const Result<bool> second = source.next(b);
+  Result<bool> second = source.next(b);
   if (!second || second.value()) return second;
   return Error{ErrorCode::bad_input, "frame " + std::to_string(a.index) +
                                          " has no partner: pairs need an even number of frames"};
