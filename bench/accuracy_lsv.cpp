@@ -11,8 +11,9 @@ namespace {
 
 class LsvMethod : public Method {
  public:
-  explicit LsvMethod(ShiftMeter meter)
+  LsvMethod(ShiftMeter meter, bool follows)
       : meter_(std::move(meter)),
+        follows_(follows),
         earlier_(meter_.make_frame()),
         later_(meter_.make_frame()),
         reference_(meter_.make_reference()) {}
@@ -23,12 +24,17 @@ class LsvMethod : public Method {
     if (meter_.fitness(earlier_) != ShiftStatus::ok || meter_.fitness(later_) != ShiftStatus::ok)
       return {};
     meter_.build(earlier_, reference_);
-    const Shift found = meter_.search(earlier_, reference_, later_).shift;
+    Shift found =
+        meter_.refine(earlier_, reference_, later_, meter_.acquire(earlier_, later_)).shift;
+    // As in a drive: the preset's own way of measuring, near where the pattern is expected.
+    if (follows_ && found.status == ShiftStatus::ok)
+      found = meter_.follow(earlier_, reference_, later_, found.dx_px, found.dy_px).shift;
     return {{found.dx_px, found.dy_px}, std::sqrt(found.cov.xx_px2), std::sqrt(found.cov.yy_px2)};
   }
 
  private:
   ShiftMeter meter_;
+  bool follows_;
   TrackFrame earlier_;
   TrackFrame later_;
   TrackReference reference_;
@@ -48,8 +54,10 @@ std::vector<NamedMethod> lsv_methods(const Condition& condition) {
   for (const Preset preset : {Preset::precise, Preset::fast, Preset::classic}) {
     TrackConfig config = track_config(preset, condition.camera);
     config.correlation.max_shift_px = condition.max_shift_px;
-    out.push_back({word(preset), std::make_unique<LsvMethod>(require_value(ShiftMeter::create(
-                                     config, sim::frame_format(condition.camera))))});
+    ShiftMeter meter =
+        require_value(ShiftMeter::create(config, sim::frame_format(condition.camera)));
+    const bool follows = preset != Preset::classic;
+    out.push_back({word(preset), std::make_unique<LsvMethod>(std::move(meter), follows)});
   }
   return out;
 }

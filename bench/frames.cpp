@@ -50,9 +50,8 @@ const cli::SimulatedLoop& drive(int side_px, int bit_depth) {
 }
 
 TrackConfig track_config(Engine engine) {
-  TrackConfig out;
+  TrackConfig out = cli::loop_config(camera(128, 8));
   out.correlation.engine = engine;
-  out.calibration = cli::matching_calibration(camera(128, 8));
   return out;
 }
 

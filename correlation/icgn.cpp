@@ -11,8 +11,11 @@ namespace lsv {
 namespace {
 
 constexpr int kMaxIterations = 6;
-// Gauss-Newton: a step this long leaves an error hundreds of times smaller.
-constexpr double kConverged_px = 0.01;
+// Gauss-Newton: a step leaves an error hundreds of times smaller than itself. Done when that is
+// well below the error of the shift; a last step between these bounds always will do.
+constexpr double kConvergedSigmas = 30.0;
+constexpr double kConvergedLowest_px = 0.001;
+constexpr double kConvergedHighest_px = 0.01;
 // The correlation peak was found within a fraction of this; further off, something else was found.
 constexpr double kMaxCorrection_px = 1.0;
 // The region of the reference changes in steps, so that its sums serve many frames.
@@ -21,10 +24,19 @@ constexpr int kMinRegion_px = 8;
 // From this share of boiling on, the pixels near clipped ones do more good than harm.
 constexpr double kBoilingNotClipping = 4e-4;
 constexpr double kRoundingVariance_counts2 = 1.0 / 12.0;
-// What interpolation and clipping leave on frames without noise: this times the fourth power of the
-// width of the peak at 128 x 128 px; measured with the simulator at 3, 4 and 6 px speckle.
-constexpr double kModelError_1_px3 = 3.4e-6;
+// What interpolation and clipping leave on frames without noise, at 128 x 128 px; measured with the
+// simulator from 1.2 to 15 px speckle. It grows with the fourth power of the width of the peak up
+// to 6 px speckle, in proportion from there on; below 3 px speckle undersampling takes over.
 constexpr double kModelErrorPixels = 128.0 * 128.0;
+// However many pixels: weights have 15 bits.
+constexpr double kSmallestError_px = 5e-5;
+constexpr double kModelError_1_px3 = 3.4e-6;
+constexpr double kCoarsePeak_px2 = 6.5;
+constexpr double kUndersampling_px = 1e-3;
+constexpr double kUndersampledSpeckle_px = 2.1;  // where it is that large; e times less for every
+constexpr double kUndersamplingDecay_px = 0.3;
+// Boiling that is less than this many standard deviations of its estimate is taken for noise.
+constexpr double kBoilingFromSigmas = 0.5;
 // Boiling of speckle intensity against that of a Gaussian pattern of the same autocovariance.
 constexpr double kBoilingFactor = 1.45;
 
@@ -82,6 +94,7 @@ struct IcGn::Fit {
   double dx_px = 0.0, dy_px = 0.0;
   double gain = 1.0, offset_counts = 0.0;
   double step_px = 0.0;
+  double sigma_px = 0.0;  // roughly, of the shift
   kernels::ReferenceSums reference{};
   kernels::ResidualSums residual{};
   NoiseGain noise_x{}, noise_y{};
@@ -185,6 +198,7 @@ bool IcGn::iterate(const TrackReference& reference, const TrackFrame& later, boo
   fit.normal = normal;
   fit.spread = det / s.n;
   fit.sum_left = std::max(0.0, r.rr - cx * r.rx - cy * r.ry - gain_step * r.rv - offset_step * r.r);
+  fit.sigma_px = std::sqrt(fit.sum_left / s.n / std::max(normal.xx, normal.yy)) / fit.gain;
   return std::isfinite(fit.dx_px) && std::isfinite(fit.dy_px);
 }
 
@@ -213,7 +227,9 @@ Refined IcGn::refine(const TrackReference& reference, const TrackFrame& later, c
     if (std::abs(fit.dx_px - peak.dx_px) > kMaxCorrection_px ||
         std::abs(fit.dy_px - peak.dy_px) > kMaxCorrection_px)
       return out;
-    if (fit.step_px > kConverged_px) continue;
+    const double converged_px =
+        std::clamp(kConvergedSigmas * fit.sigma_px, kConvergedLowest_px, kConvergedHighest_px);
+    if (fit.step_px > converged_px) continue;
 
     const kernels::ReferenceSums& s = fit.reference;
     noise_gain_2d = fit.noise_x.lag0 * fit.noise_y.lag0;
@@ -226,7 +242,12 @@ Refined IcGn::refine(const TrackReference& reference, const TrackFrame& later, c
     const double lag0_of_noise = gain2 + noise_gain_2d;
     const double denominator = c1 * lag0_of_noise - noise_lag1;
     double noise = total / lag0_of_noise;
-    if (denominator > 0.1) noise = std::clamp((c1 * total - lag1) / denominator, 0.0, noise);
+    if (denominator > 0.1) {
+      // Boiling cannot be negative: without the second term chance alone would look like some.
+      const double sigma_of_noise = total / (denominator * std::sqrt(s.n));
+      noise = std::clamp((c1 * total - lag1) / denominator + kBoilingFromSigmas * sigma_of_noise,
+                         0.0, noise);
+    }
     variance = {.noise_counts2 = noise, .boiling_counts2 = total - lag0_of_noise * noise};
     pattern_variance = gain2 * std::max(fit.spread / s.n - noise, 0.05 * fit.spread / s.n);
     out.boiling_ratio = variance.boiling_counts2 / pattern_variance;
@@ -256,14 +277,24 @@ Refined IcGn::refine(const TrackReference& reference, const TrackFrame& later, c
   const Matrix2 inverse{.xx = fit.normal.yy / det / (share_x * share_x),
                         .xy = -fit.normal.xy / det / (share_x * share_y),
                         .yy = fit.normal.xx / det / (share_y * share_y)};
+  // The fit of the gain takes the noise of the reference for pattern, and so comes out too small.
+  const double true_gain = fit.gain / std::clamp(1.0 - noise_reference / fit.spread, 0.1, 1.0);
   const auto scaled = [&](double variance_counts2) {
-    const double factor = steep * variance_counts2 / gain2;
+    const double factor = steep * variance_counts2 / (true_gain * true_gain);
     return ShiftCovariance{factor * inverse.xx, factor * inverse.xy, factor * inverse.yy};
   };
   out.noise_cov = scaled(noise_counts2 * (gain2 + 1.0));
   const auto model_variance = [&](double width_px2) {
-    const double sigma_px = kModelError_1_px3 * width_px2 * width_px2;
-    return sigma_px * sigma_px * kModelErrorPixels / fit.reference.n;
+    const double fine_px2 = std::min(width_px2, kCoarsePeak_px2);
+    const double coarse_ratio = std::sqrt(std::max(width_px2 / kCoarsePeak_px2, 1.0));
+    const double smooth_px = kModelError_1_px3 * fine_px2 * fine_px2 * coarse_ratio;
+    const double sharp_px =
+        kUndersampling_px *
+        std::exp((kUndersampledSpeckle_px - speckle_fwhm_px(width_px2)) / kUndersamplingDecay_px);
+    // Undersampling errs alike in many places, so that more pixels help less.
+    const double fewer = kModelErrorPixels / fit.reference.n;
+    return smooth_px * smooth_px * fewer + sharp_px * sharp_px * std::sqrt(fewer) +
+           kSmallestError_px * kSmallestError_px;
   };
   out.noise_cov.xx_px2 += model_variance(peak.shape.xx_px2);
   out.noise_cov.yy_px2 += model_variance(peak.shape.yy_px2);

@@ -43,22 +43,10 @@ template <typename Pixel>
 void TrackFrame::load_pixels(const FrameView& frame) {
   const auto full_scale = static_cast<Pixel>(full_scale_counts(format_.bit_depth));
   const Plane<Pixel> to{reinterpret_cast<Pixel*>(bytes_.data()) + kPadding, stride_px_};
-  kernels::CountSums sums;
-  const auto add_rows = [&](Plane<const Pixel> from, int first_row, int rows) {
-    const kernels::CountSums more = kernels::copy_and_sum<Pixel>(
-        from, format_.width_px, rows, full_scale, {to.at(0, first_row), to.stride});
-    sums.sum_counts += more.sum_counts;
-    sums.sum_squares_counts2 += more.sum_squares_counts2;
-    sums.saturated += more.saturated;
-  };
-  if (frame.stride_bytes % static_cast<std::ptrdiff_t>(sizeof(Pixel)) == 0) {
-    add_rows({reinterpret_cast<const Pixel*>(frame.data),
-              frame.stride_bytes / static_cast<std::ptrdiff_t>(sizeof(Pixel))},
-             0, format_.height_px);
-  } else {
-    for (int y = 0; y < format_.height_px; ++y)
-      add_rows({reinterpret_cast<const Pixel*>(frame.data + y * frame.stride_bytes), 0}, y, 1);
-  }
+  const Plane<const Pixel> from{reinterpret_cast<const Pixel*>(frame.data),
+                                frame.stride_bytes / static_cast<std::ptrdiff_t>(sizeof(Pixel))};
+  const kernels::CountSums sums =
+      kernels::copy_and_sum<Pixel>(from, format_.width_px, format_.height_px, full_scale, to);
   const double n = static_cast<double>(format_.width_px) * format_.height_px;
   stats_.mean_counts = static_cast<double>(sums.sum_counts) / n;
   const double mean_square = static_cast<double>(sums.sum_squares_counts2) / n;

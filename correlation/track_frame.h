@@ -20,7 +20,8 @@ class TrackFrame {
   TrackFrame() = default;
   explicit TrackFrame(const FrameFormat& format);
 
-  /// Copies `frame`, which must have the format given at construction.
+  /// Copies `frame`, which must have the format given at construction and rows that begin on whole
+  /// pixels.
   void load(const FrameView& frame);
 
   const FrameFormat& format() const { return format_; }

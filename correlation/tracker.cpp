@@ -82,7 +82,7 @@ TrackedShift Tracker::measure(const TrackFrame& earlier, const TrackReference& r
     out.noise_cov = refined.noise_cov;
     out.boiling_cov = refined.boiling_cov;
     out.boiling_ratio = refined.boiling_ratio;
-    out.keyframe_noise_cancels = true;
+    out.refined = true;
     shift.cov = sum(refined.noise_cov, refined.boiling_cov);
     shift.model_sigma_x_px = shift.model_sigma_y_px = 0.0;
     return out;

@@ -23,9 +23,9 @@ struct TrackedShift {
   ShiftCovariance noise_cov{};
   ShiftCovariance boiling_cov{};
   double boiling_ratio = 0.0;
-  /// Two shifts against the same reference share its noise, half of noise_cov each. Not so without
-  /// refinement, where the error of the peak fit is most of it.
-  bool keyframe_noise_cancels = false;
+  /// Whether IC-GN converged. Two such shifts against the same reference share its noise, half of
+  /// noise_cov each; without refinement the error of the peak fit is most of it.
+  bool refined = false;
 };
 
 /// One object per thread; allocates at construction only.

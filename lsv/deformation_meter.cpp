@@ -20,10 +20,22 @@ std::array<int, 2> window_places(int whole_shift_px, int side_px, int window_px)
 
 // Below, the windows show no common pattern and their shifts mean nothing.
 constexpr double kMinZncc = 0.4;
+constexpr double kMinZnccSigmas = 6.0;
 // Four unknowns: shift along both axes, rotation, expansion.
 constexpr int kMinWindows = 3;
 
 }  // namespace
+
+Result<DeformationMeter> DeformationMeter::create(const FrameFormat& format,
+                                                  double noise_sd_counts) {
+  if (std::min(format.width_px, format.height_px) < kMinSide_px) {
+    return Error{ErrorCode::invalid_argument,
+                 "deformation needs frames of at least 64 x 64 px, these are " +
+                     std::to_string(format.width_px) + " x " + std::to_string(format.height_px) +
+                     " px"};
+  }
+  return DeformationMeter(format, noise_sd_counts);
+}
 
 DeformationMeter::DeformationMeter(const FrameFormat& format, double noise_sd_counts)
     : format_(format),
@@ -46,7 +58,9 @@ DeformationMeter::Window DeformationMeter::measure_window(const TrackFrame& earl
                    {at.x_px + whole_dx_px, at.y_px + whole_dy_px, at.width_px, at.height_px}));
   tracker_.build(earlier_, reference_);
   const Shift shift = tracker_.measure(earlier_, reference_, later_, 0.0, 0.0).shift;
-  if (shift.status != ShiftStatus::ok || !(shift.quality.zncc >= kMinZncc)) return out;
+  if (shift.status != ShiftStatus::ok || !(shift.quality.zncc >= kMinZncc) ||
+      !(shift.quality.zncc_sigmas >= kMinZnccSigmas))
+    return out;
   out.dx_px = whole_dx_px + shift.dx_px;
   out.dy_px = whole_dy_px + shift.dy_px;
   out.weight_1_px2 = 2.0 / (shift.cov.xx_px2 + shift.cov.yy_px2);

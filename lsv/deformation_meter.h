@@ -10,14 +10,15 @@
 #include "correlation/tracker.h"
 #include "lsv/core/deformation.h"
 #include "lsv/core/frame.h"
+#include "lsv/core/result.h"
 
 namespace lsv {
 
 /// Owns its memory, allocates at construction only; one object per thread.
 class DeformationMeter {
  public:
-  /// Sides of the frames: at least kMinSide_px.
-  DeformationMeter(const FrameFormat& format, double noise_sd_counts);
+  /// invalid_argument when a side of the frames is below kMinSide_px.
+  static Result<DeformationMeter> create(const FrameFormat& format, double noise_sd_counts);
 
   /// The frames show the same ground, shifted by about (dx_px, dy_px).
   Deformation measure(const TrackFrame& earlier, const TrackFrame& later, double dx_px,
@@ -26,6 +27,8 @@ class DeformationMeter {
   static constexpr int kMinSide_px = 64;
 
  private:
+  DeformationMeter(const FrameFormat& format, double noise_sd_counts);
+
   struct Window {
     double x_px, y_px;  // centre in the earlier frame
     double dx_px, dy_px;

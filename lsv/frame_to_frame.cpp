@@ -48,7 +48,8 @@ Shift FrameToFrame::measure() {
   for (const Slot* slot : {&earlier_, &later_}) {
     if (slot->fitness != ShiftStatus::ok) return with_status({}, slot->fitness);
   }
-  if (is_frozen(earlier_.frame, later_.frame, config_.gate, config_.calibration))
+  if (refuses_repeats(config_.gate, config_.calibration) &&
+      identical_pixels(earlier_.frame, later_.frame))
     return with_status({}, ShiftStatus::frozen);
   const ErrorModel model{.noise_sd_counts = config_.calibration.noise_sd_counts,
                          .engine = config_.correlation.engine};

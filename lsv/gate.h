@@ -14,9 +14,8 @@ namespace lsv {
 ShiftStatus judge_frame(const FrameFormat& format, const FrameStats& stats, const GateConfig& gate,
                         const Calibration& camera);
 
-/// A camera that has noise never delivers the same frame twice.
-bool is_frozen(const PreparedFrame& earlier, const PreparedFrame& later, const GateConfig& gate,
-               const Calibration& camera);
+/// Whether a repeated frame is `frozen`: a camera that has noise never delivers the same one twice.
+bool refuses_repeats(const GateConfig& gate, const Calibration& camera);
 
 /// The status that `shift` deserves; its own status if that is already a refusal.
 ShiftStatus judge_shift(const Shift& shift, const GateConfig& gate);

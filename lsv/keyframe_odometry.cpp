@@ -48,19 +48,20 @@ PatternStep KeyframeOdometry::step(const FrameView& frame) {
   slots_[now].frame.load(frame);
   slots_[now].stamp = frame.stamp;
   slots_[now].index = frame.index;
-  plane_is_latest_ = false;
+  shown_plane_.reset();
 
   const ShiftStatus fitness = meter_.fitness(slots_[now].frame);
   if (fitness != ShiftStatus::ok) {
     const bool is_first = !last_ && last_unfit_ == ShiftStatus::first_frame;
     last_unfit_ = fitness;
-    has_speed_ = false;
-    return refused(is_first ? ShiftStatus::first_frame : fitness, {});
+    wanted_plane_.reset();
+    return refused(now, is_first ? ShiftStatus::first_frame : fitness, {});
   }
   if (!last_) return first(now);
-  for (const std::optional<SlotIndex>& earlier : {last_, doubtful_}) {
+  // A stuck ring of buffers hands out older frames, too.
+  for (const std::optional<SlotIndex>& earlier : {last_, doubtful_, before_, keyframe_}) {
     if (earlier && meter_.frozen(slots_[*earlier].frame, slots_[now].frame))
-      return refused(ShiftStatus::frozen, {});
+      return refused(now, ShiftStatus::frozen, {});
   }
   if (has_speed_) {
     if (std::optional<PatternStep> followed = follow(now)) return *followed;
@@ -70,18 +71,19 @@ PatternStep KeyframeOdometry::step(const FrameView& frame) {
 
 PatternStep KeyframeOdometry::first(SlotIndex now) {
   // What came before could not be used: its reason stands for the shift that is missing.
-  PatternStep out = refused(last_unfit_, {});
+  PatternStep out = refused(now, last_unfit_, {});
   last_ = now;
   set_keyframe(now, {});
   out.keyframe = slots_[now].index;
   return out;
 }
 
-PatternStep KeyframeOdometry::refused(ShiftStatus status, const ShiftQuality& quality) {
+PatternStep KeyframeOdometry::refused(SlotIndex now, ShiftStatus status,
+                                      const ShiftQuality& quality) {
   PatternStep out;
   out.shift.status = status;
   out.shift.quality = quality;
-  out.since = last_ ? slots_[*last_].stamp : Stamp{};
+  out.since = slots_[last_.value_or(now)].stamp;
   out.keyframe = keyframe_ ? slots_[*keyframe_].index : -1;
   out.segment = segment_;
   out.x_px = last_place_.x_px;
@@ -101,30 +103,47 @@ std::optional<PatternStep> KeyframeOdometry::follow(SlotIndex now) {
 }
 
 PatternStep KeyframeOdometry::search(SlotIndex now) {
-  has_speed_ = false;
   // The last accepted frame is nearer than the keyframe: more of it is still in view.
-  if (keyframe_ != last_) set_keyframe(*last_, last_place_);
-  TrackedShift found = meter_.search(slots_[*last_].frame, reference_, slots_[now].frame);
-  plane_is_latest_ = true;
-  const ShiftQuality quality = found.shift.quality;
-  const ShiftStatus reason = found.shift.status;
-  if (reason != ShiftStatus::ok && begin_segment_at_doubtful(now)) {
-    found = meter_.search(slots_[*last_].frame, reference_, slots_[now].frame);
+  if (keyframe_ != last_) {
+    set_keyframe(*last_, last_place_);
+    if (has_speed_) {
+      if (std::optional<PatternStep> followed = follow(now)) return *followed;
+    }
   }
-  if (found.shift.status == ShiftStatus::ok) return accept(now, found, Search::full_range);
+  Shift judged = acquire(*last_, now);
+  if (judged.status == ShiftStatus::ok) {
+    const TrackedShift found =
+        meter_.refine(slots_[*last_].frame, reference_, slots_[now].frame, judged);
+    if (found.shift.status == ShiftStatus::ok) return accept(now, found, Search::full_range);
+    judged = found.shift;
+  }
+  if (std::optional<PatternStep> begun = begin_segment(now)) return *begun;
   doubtful_ = now;
-  return refused(reason, quality);
+  wanted_plane_ = {*last_, now};
+  return refused(now, judged.status, judged.quality);
 }
 
-bool KeyframeOdometry::begin_segment_at_doubtful(SlotIndex now) {
-  if (!doubtful_) return false;
-  const Shift same_ground = meter_.acquire(slots_[*doubtful_].frame, slots_[now].frame);
-  if (same_ground.status != ShiftStatus::ok) return false;
+Shift KeyframeOdometry::acquire(SlotIndex earlier, SlotIndex later) {
+  shown_plane_ = {earlier, later};
+  return meter_.acquire(slots_[earlier].frame, slots_[later].frame);
+}
+
+/// At the doubtful frame, if it shows the ground of the new one.
+std::optional<PatternStep> KeyframeOdometry::begin_segment(SlotIndex now) {
+  if (!doubtful_) return std::nullopt;
+  const Shift acquired = acquire(*doubtful_, now);
+  if (acquired.status != ShiftStatus::ok) return std::nullopt;
   last_ = doubtful_;
   before_.reset();
   set_keyframe(*last_, last_place_);
+  has_speed_ = false;
+  frames_near_rest_place_ = 0;
+  motion_ = MotionState::unknown;
   ++segment_;
-  return true;
+  const TrackedShift found =
+      meter_.refine(slots_[*last_].frame, reference_, slots_[now].frame, acquired);
+  if (found.shift.status != ShiftStatus::ok) return std::nullopt;
+  return accept(now, found, Search::full_range);
 }
 
 PatternStep KeyframeOdometry::accept(SlotIndex now, const TrackedShift& tracked, Search search) {
@@ -135,7 +154,8 @@ PatternStep KeyframeOdometry::accept(SlotIndex now, const TrackedShift& tracked,
               .y_px = key_place_.y_px + measured.dy_px,
               .cov = weighted_sum(key_place_.cov, 1.0, measured.cov, 1.0),
               .noise_cov = tracked.noise_cov,
-              .boiling_cov = tracked.boiling_cov};
+              .boiling_cov = tracked.boiling_cov,
+              .refined = tracked.refined};
 
   PatternStep out;
   out.shift = measured;
@@ -145,7 +165,7 @@ PatternStep KeyframeOdometry::accept(SlotIndex now, const TrackedShift& tracked,
     // Half of the noise of either shift is the keyframe's and cancels; the pattern has boiled
     // since the last frame by one step of many.
     const ShiftCovariance noise =
-        tracked.keyframe_noise_cancels
+        place.refined && last_place_.refined
             ? weighted_sum(place.noise_cov, 0.5, last_place_.noise_cov, 0.5)
             : weighted_sum(place.noise_cov, 1.0, last_place_.noise_cov, 1.0);
     out.shift.cov = weighted_sum(noise, 1.0, place.boiling_cov, 1.0 / steps_since_keyframe_);
@@ -170,6 +190,7 @@ PatternStep KeyframeOdometry::accept(SlotIndex now, const TrackedShift& tracked,
   const double dy_px = out.shift.dy_px;
   before_ = last_;
   last_ = now;
+  wanted_plane_ = {*before_, now};
   last_place_ = place;
   doubtful_.reset();
   out.motion = motion_at(place);
@@ -231,10 +252,8 @@ bool KeyframeOdometry::wants_keyframe(const TrackedShift& tracked, double dx_px,
 }
 
 const CorrelationPlane& KeyframeOdometry::plane() {
-  if (!plane_is_latest_ && before_ && last_) {
-    (void)meter_.acquire(slots_[*before_].frame, slots_[*last_].frame);
-    plane_is_latest_ = true;
-  }
+  if (wanted_plane_ && shown_plane_ != wanted_plane_)
+    (void)acquire(wanted_plane_->first, wanted_plane_->second);
   return meter_.plane();
 }
 

@@ -3,7 +3,7 @@
 // keyframe, as long as that gives the smallest error per frame; so the error of the position grows
 // with the number of keyframes, not of frames, and at rest not at all.
 //
-//   predict from the last speed -> follow -> gate -> or else search the full range
+//   predict from the last speed, over gaps too -> follow -> gate -> or else search the full range
 //     -> shift since the last accepted frame, position -> is it time for a new keyframe?
 //
 // The shift of a frame is the difference between two positions against the same keyframe: both
@@ -16,6 +16,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "lsv/core/frame.h"
 #include "lsv/core/step_report.h"
@@ -36,7 +37,8 @@ class KeyframeOdometry {
   PatternStep step(const FrameView& frame);
 
   const LagRange& lags() const { return meter_.lags(); }
-  /// Between the last two accepted frames; correlates them when a search has not just done so.
+  /// Between the frame pushed last and the accepted one before it; correlates them when a search
+  /// has not just done so.
   const CorrelationPlane& plane();
 
  private:
@@ -51,15 +53,17 @@ class KeyframeOdometry {
     ShiftCovariance cov{0.0, 0.0, 0.0};          // since the start of the segment's path
     ShiftCovariance noise_cov{0.0, 0.0, 0.0};    // of the shift against the keyframe
     ShiftCovariance boiling_cov{0.0, 0.0, 0.0};  // of the same
+    bool refined = false;                        // see TrackedShift
   };
   using SlotIndex = std::size_t;
 
   PatternStep first(SlotIndex now);
-  PatternStep refused(ShiftStatus status, const ShiftQuality& quality);
+  PatternStep refused(SlotIndex now, ShiftStatus status, const ShiftQuality& quality);
   PatternStep accept(SlotIndex now, const TrackedShift& tracked, Search search);
   std::optional<PatternStep> follow(SlotIndex now);
   PatternStep search(SlotIndex now);
-  bool begin_segment_at_doubtful(SlotIndex now);
+  std::optional<PatternStep> begin_segment(SlotIndex now);
+  Shift acquire(SlotIndex earlier, SlotIndex later);
   void set_keyframe(SlotIndex slot, const Place& place);
   bool wants_keyframe(const TrackedShift& tracked, double dx_px, double dy_px) const;
   MotionState motion_at(const Place& place);
@@ -83,7 +87,9 @@ class KeyframeOdometry {
   MotionState motion_ = MotionState::unknown;
   std::int64_t segment_ = 0;
   bool has_speed_ = false;
-  bool plane_is_latest_ = false;
+  using Pair = std::pair<SlotIndex, SlotIndex>;
+  std::optional<Pair> wanted_plane_;  // the pair that the last frame was judged by
+  std::optional<Pair> shown_plane_;   // the pair correlated last
   double vx_px_per_ns_ = 0.0;
   double vy_px_per_ns_ = 0.0;
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lsv/odometer.h"
 
-#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <new>
 #include <string>
 #include <utility>
@@ -12,6 +12,23 @@ namespace {
 
 std::string size_text(const FrameFormat& format) {
   return std::to_string(format.width_px) + " x " + std::to_string(format.height_px) + " px";
+}
+
+/// 16-bit pixels must lie where such words may be read, and hold no more bits than announced.
+Result<void> check_words(const FrameView& frame) {
+  const auto refuse = [&](const char* why) {
+    return Error{ErrorCode::bad_input, "frame " + std::to_string(frame.index) + why};
+  };
+  if (reinterpret_cast<std::uintptr_t>(frame.data) % 2 != 0 || frame.stride_bytes % 2 != 0)
+    return refuse(": rows of 16-bit pixels must begin at even addresses");
+  unsigned bits = 0;
+  for (int y = 0; y < frame.height_px(); ++y) {
+    const std::uint16_t* const row = frame.row16(y);
+    for (int x = 0; x < frame.width_px(); ++x) bits |= row[x];
+  }
+  if (bits > static_cast<unsigned>(full_scale_counts(frame.format.bit_depth)))
+    return refuse(" has pixels above the full scale of its bit depth");
+  return {};
 }
 
 SensorPosition position_of(const PatternStep& step, const PixelScale& scale) {
@@ -52,12 +69,10 @@ Result<Odometer::Follower> Odometer::make_follower(const TrackConfig& config,
   if (!meter) return meter.error();
   std::optional<DeformationMeter> deformation;
   if (config.measure_deformation) {
-    if (std::min(format.width_px, format.height_px) < DeformationMeter::kMinSide_px) {
-      return Error{
-          ErrorCode::invalid_argument,
-          "deformation needs frames of at least 64 x 64 px, these are " + size_text(format)};
-    }
-    deformation.emplace(format, config.calibration.noise_sd_counts);
+    Result<DeformationMeter> made =
+        DeformationMeter::create(format, config.calibration.noise_sd_counts);
+    if (!made) return made.error();
+    deformation.emplace(std::move(made).value());
   }
   return Follower(KeyframeOdometry(std::move(meter).value(), std::move(deformation)));
 }
@@ -96,6 +111,9 @@ Result<void> Odometer::check(const FrameView& frame) const {
     return Error{ErrorCode::bad_input,
                  "frame " + std::to_string(frame.index) + " is " + size_text(frame.format) + ", " +
                      std::to_string(frame.format.bit_depth) + " bit, unlike the frames before it"};
+  }
+  if (frame.format.type == PixelType::mono16) {
+    if (const Result<void> usable = check_words(frame); !usable) return usable;
   }
   if (!last_stamp_) return {};
   // No two stamps of one run may be further apart than their difference can hold.

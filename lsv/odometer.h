@@ -28,15 +28,16 @@ class Odometer {
   /// short.
   static Result<Odometer> create(const TrackConfig& config, const FrameFormat& format);
 
-  /// Frames in order of time. bad_input when the format differs from the one announced or the
-  /// stamp does not increase; the frame is then ignored and the odometer stays usable. `frame`
-  /// is not kept.
+  /// Frames in order of time. bad_input when the format differs from the one announced, a 16-bit
+  /// pixel exceeds its bit depth or lies at an odd address, or the stamp does not increase; the
+  /// frame is then ignored and the odometer stays usable. `frame` is not kept.
   Result<StepReport> push(const FrameView& frame);
 
   /// Searched where nothing is known: see CorrelationConfig::max_shift_px.
   const LagRange& lags() const;
-  /// The correlation over all lags that belongs to the latest accepted shift. Where the shift was
-  /// found without it, it is made now. Overwritten by the next push.
+  /// The correlation over all lags between the frame pushed last and the accepted one before it.
+  /// Where the shift was found without it, it is made now. Overwritten by the next push; means
+  /// nothing when that frame was unfit to be correlated.
   const CorrelationPlane& plane();
 
  private:

@@ -59,32 +59,27 @@ ShiftStatus ShiftMeter::fitness(const TrackFrame& frame) const {
 }
 
 bool ShiftMeter::frozen(const TrackFrame& earlier, const TrackFrame& later) const {
-  return gate_.refuse_frozen && camera_.noise_sd_counts > 0.0 && later.same_pixels(earlier);
+  return refuses_repeats(gate_, camera_) && later.same_pixels(earlier);
 }
 
 Shift ShiftMeter::acquire(const TrackFrame& earlier, const TrackFrame& later) {
-  const Shift out = acquisition_.measure(earlier, later);
-  if (out.status == ShiftStatus::ok) last_search_ = out.quality;
-  return out;
-}
-
-TrackedShift ShiftMeter::search(const TrackFrame& earlier, const TrackReference& reference,
-                                const TrackFrame& later) {
-  return refine(earlier, reference, later, acquire(earlier, later));
+  return acquisition_.measure(earlier, later);
 }
 
 TrackedShift ShiftMeter::refine(const TrackFrame& earlier, const TrackReference& reference,
                                 const TrackFrame& later, const Shift& acquired) {
+  if (acquired.status == ShiftStatus::ok) last_search_ = acquired.quality;
   TrackedShift found{.shift = acquired, .noise_cov = acquired.cov, .boiling_cov = {0.0, 0.0, 0.0}};
-  if (acquired.status != ShiftStatus::ok || preset_ == Preset::classic) return found;
-  const TrackedShift refined =
+  if (acquired.status != ShiftStatus::ok || preset_ != Preset::precise) return found;
+  const TrackedShift tracked =
       tracker_.measure(earlier, reference, later, acquired.dx_px, acquired.dy_px);
-  // At the edge of what overlaps the tracker has nothing to add, and elsewhere it must agree.
-  if (refined.shift.status != ShiftStatus::ok ||
-      std::abs(refined.shift.dx_px - acquired.dx_px) > kSameMaximum_px ||
-      std::abs(refined.shift.dy_px - acquired.dy_px) > kSameMaximum_px)
+  // Where too little overlaps for IC-GN the peak fit of the search is the better one; elsewhere
+  // the two must agree.
+  if (tracked.shift.status != ShiftStatus::ok || !tracked.refined ||
+      std::abs(tracked.shift.dx_px - acquired.dx_px) > kSameMaximum_px ||
+      std::abs(tracked.shift.dy_px - acquired.dy_px) > kSameMaximum_px)
     return found;
-  found = refined;
+  found = tracked;
   take_background(found.shift.quality);
   found.shift = with_status(found.shift, judge_shift(found.shift, gate_));
   return found;

@@ -30,11 +30,12 @@ class ShiftMeter {
     tracker_.build(frame, reference);
   }
 
-  /// Full range. Frames must be fit; `reference` was built from `earlier`.
-  TrackedShift search(const TrackFrame& earlier, const TrackReference& reference,
-                      const TrackFrame& later);
-  /// The full search alone, to tell whether two frames show the same ground.
+  /// The full search. Frames must be fit. Leaves no trace in what is measured later.
   Shift acquire(const TrackFrame& earlier, const TrackFrame& later);
+  /// What the full search of the same frames found, as precisely as the preset asks. `reference`
+  /// was built from `earlier`.
+  TrackedShift refine(const TrackFrame& earlier, const TrackReference& reference,
+                      const TrackFrame& later, const Shift& acquired);
   /// Near a guess. Quality that only a full search can measure (q, peak_ratio, peak_to_rms) is
   /// that of the last one, in proportion to the ZNCC.
   TrackedShift follow(const TrackFrame& earlier, const TrackReference& reference,
@@ -46,8 +47,6 @@ class ShiftMeter {
 
  private:
   ShiftMeter(const TrackConfig& config, const FrameFormat& format, Acquisition acquisition);
-  TrackedShift refine(const TrackFrame& earlier, const TrackReference& reference,
-                      const TrackFrame& later, const Shift& acquired);
   void take_background(ShiftQuality& quality) const;
 
   Preset preset_;

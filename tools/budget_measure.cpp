@@ -23,7 +23,7 @@ namespace {
 /// First frames are slow (page faults, cold caches, a sleeping clock) and are not counted.
 constexpr int kWarmUpFrames = 16;
 
-/// The stages of a push one by one, with clocks between them.
+/// The stages of a full search one by one, with clocks between them.
 class StageTimer {
  public:
   StageTimer(std::unique_ptr<Correlator> correlator, PeakFit fit, std::size_t capacity)
@@ -174,8 +174,6 @@ Result<UnpacedTimes> measure_unpaced(const TrackConfig& config, const SimulatedL
   UnpacedTimes out;
   stages.report(out);
   pushes.report(out);
-  out.rest_p50_us =
-      out.push.p50_us - out.prepare.p50_us - out.correlate.p50_us - out.peak_and_quality.p50_us;
   return out;
 }
 

@@ -12,15 +12,13 @@
 
 namespace lsv::cli {
 
-/// As fast as the machine goes. The stages are called as the odometer calls them; the rest of a
-/// push (frame checks, covariance, gate, scale, integration) is too short for a clock and is the
-/// difference of the medians, which a machine with other work to do disturbs less than the means.
+/// As fast as the machine goes: whole pushes of a steady drive and, for the frames that need it,
+/// the stages of a full search.
 struct UnpacedTimes {
+  DurationSummary push;
   DurationSummary prepare;
   DurationSummary correlate;
   DurationSummary peak_and_quality;
-  double rest_p50_us = 0.0;
-  DurationSummary push;
   std::size_t shifts_refused = 0;
   double largest_error_px = 0.0;  // of the accepted shifts, against the simulated truth, per axis
 

@@ -33,20 +33,19 @@ void append_head(std::string& out, const Budget& b) {
   append(out, "           SIMD %s, FFT %s\n", b.simd_target.c_str(), b.fft_backend.c_str());
   append(out, "frames     %d x %d px, %d bit, simulated speckle\n", b.format.width_px,
          b.format.height_px, b.format.bit_depth);
-  append(out, "motion     random jumps: every frame needs the full search, the worst case\n");
-  append(out, "settings   engine %s, peak fit %s, lags +-%d x +-%d px\n",
-         std::string(word(b.correlation.engine)).c_str(),
+  append(out, "motion     to and fro, up to %.3g px per frame along either axis\n", b.max_step_px);
+  append(out, "settings   preset %s; full search: engine %s, peak fit %s, lags +-%d x +-%d px\n",
+         std::string(word(b.preset)).c_str(), std::string(word(b.correlation.engine)).c_str(),
          std::string(word(b.correlation.peak_fit)).c_str(), b.lags.max_dx_px, b.lags.max_dy_px);
 }
 
 void append_unpaced(std::string& out, const UnpacedTimes& t) {
   append(out, "\nAs fast as possible, %zu frames\n", t.push.samples);
   append_column_names(out);
-  append_row(out, "prepare", t.prepare);
-  append_row(out, "correlate", t.correlate);
-  append_row(out, "peak and quality", t.peak_and_quality);
-  append(out, "  %-26s %9s %9.1f\n", "follow, gate, scale", "", t.rest_p50_us);
   append_row(out, "whole push", t.push);
+  append_row(out, "full search: prepare", t.prepare);
+  append_row(out, "  correlate", t.correlate);
+  append_row(out, "  peak and quality", t.peak_and_quality);
   append(out,
          "  at most %.0f frames per second; %zu of %zu shifts refused, largest error %.4f px\n",
          t.max_rate_hz(), t.shifts_refused, t.push.samples, t.largest_error_px);
@@ -91,7 +90,6 @@ ordered_json to_json(const UnpacedTimes& t) {
   return {{"prepare_us", to_json(t.prepare)},
           {"correlate_us", to_json(t.correlate)},
           {"peak_and_quality_us", to_json(t.peak_and_quality)},
-          {"rest_p50_us", t.rest_p50_us},
           {"push_us", to_json(t.push)},
           {"max_rate_hz", t.max_rate_hz()},
           {"shifts_refused", t.shifts_refused},
@@ -125,6 +123,8 @@ std::string budget_json(const Budget& b) {
                              {"width_px", b.format.width_px},
                              {"height_px", b.format.height_px},
                              {"bit_depth", b.format.bit_depth},
+                             {"preset", word(b.preset)},
+                             {"max_step_px", b.max_step_px},
                              {"engine", word(b.correlation.engine)},
                              {"peak_fit", word(b.correlation.peak_fit)},
                              {"max_dx_px", b.lags.max_dx_px},

@@ -14,6 +14,8 @@ struct Budget {
   std::string fft_backend;
   double rate_hz = 0.0;
   FrameFormat format;
+  Preset preset = Preset::precise;
+  double max_step_px = 0.0;  // of the simulated motion, per frame and axis
   CorrelationConfig correlation;
   LagRange lags;
   UnpacedTimes unpaced;

@@ -38,6 +38,7 @@ struct BudgetOptions {
   double rate_hz = 0.0;
   std::string size = "128x128";
   int bit_depth = 8;
+  std::string preset{word(TrackConfig{}.preset)};
   std::string engine{word(CorrelationConfig{}.engine)};
   std::string peak_fit{word(CorrelationConfig{}.peak_fit)};
   int max_shift_px = 0;
@@ -109,16 +110,19 @@ Result<void> write_budget(const Budget& budget, const std::string& json_path) {
 /// The exit code.
 Result<int> measure(const BudgetOptions& options, const sim::SpeckleConfig& camera,
                     const CorrelationConfig& correlation, std::size_t frames) {
-  TrackConfig config;
+  const auto preset = preset_from(options.preset);
+  if (!preset)
+    return usage("--preset is \"" + options.preset + "\" but must be precise, fast or classic");
+  TrackConfig config = loop_config(camera);
+  config.preset = *preset;
   config.correlation = correlation;
-  config.calibration = matching_calibration(camera);
   if (Result<void> valid = validate(config); !valid) return valid.error();
   const Result<LagRange> lags = resolve_lags(correlation, sim::frame_format(camera));
   if (!lags) return lags.error();
 
   constexpr int kRenderedFrames = 16;
-  const Result<SimulatedLoop> loop =
-      SimulatedLoop::render(camera, largest_step_px(lags.value()), kRenderedFrames);
+  const double max_step_px = largest_step_px(lags.value());
+  const Result<SimulatedLoop> loop = SimulatedLoop::render(camera, max_step_px, kRenderedFrames);
   if (!loop) return loop.error();
   catch_interrupts();
   const double run_s = static_cast<double>(frames) / options.rate_hz;
@@ -133,6 +137,8 @@ Result<int> measure(const BudgetOptions& options, const sim::SpeckleConfig& came
                       .fft_backend = std::string(fft_backend()),
                       .rate_hz = options.rate_hz,
                       .format = loop.value().format(),
+                      .preset = *preset,
+                      .max_step_px = max_step_px,
                       .correlation = correlation,
                       .lags = lags.value(),
                       .unpaced = unpaced.value(),
@@ -170,6 +176,7 @@ void add_budget_command(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->excludes(frames);
   sub->add_option("--bit-depth", o.bit_depth, "8, 10, 12 or 16")->capture_default_str();
+  sub->add_option("--preset", o.preset, "precise, fast or classic")->capture_default_str();
   sub->add_option("--engine", o.engine, "zncc, cross, phase or direct")->capture_default_str();
   sub->add_option("--peak-fit", o.peak_fit, "sinc, gaussian2d, gaussian3 or parabola3")
       ->capture_default_str();

@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // lsv shift: the shift between two images, each pair on its own, as JSON.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "calibration/calibration_io.h"
+#include "lsv/deformation_meter.h"
 #include "lsv/ingest/frame_source.h"
 #include "lsv/output/number_text.h"
 #include "lsv/output/output_file.h"
 #include "lsv/shift_meter.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/output_names.h"
 #include "tools/settings.h"
 #include "tools/track_settings.h"
 
@@ -43,12 +47,14 @@ Calibration unknown_camera() {
 /// What one pair needs; made for the first pair and kept.
 struct PairMeter {
   ShiftMeter meter;
+  std::optional<DeformationMeter> deformation_meter;
   TrackFrame earlier;
   TrackFrame later;
   TrackReference reference;
 
-  explicit PairMeter(ShiftMeter m)
+  PairMeter(ShiftMeter m, std::optional<DeformationMeter> d)
       : meter(std::move(m)),
+        deformation_meter(std::move(d)),
         earlier(meter.make_frame()),
         later(meter.make_frame()),
         reference(meter.make_reference()) {}
@@ -57,42 +63,74 @@ struct PairMeter {
     earlier.load(a);
     later.load(b);
     for (const TrackFrame* frame : {&earlier, &later}) {
-      const ShiftStatus fitness = meter.fitness(*frame);
-      if (fitness == ShiftStatus::ok) continue;
-      TrackedShift unfit;
-      unfit.shift.status = fitness;
-      return unfit;
+      if (const ShiftStatus fitness = meter.fitness(*frame); fitness != ShiftStatus::ok)
+        return refused(fitness);
     }
+    if (meter.frozen(earlier, later)) return refused(ShiftStatus::frozen);
     meter.build(earlier, reference);
-    return meter.search(earlier, reference, later);
+    return meter.refine(earlier, reference, later, meter.acquire(earlier, later));
+  }
+
+  /// Of the pair measured last.
+  Deformation deformation(const Shift& shift) {
+    if (!deformation_meter || shift.status != ShiftStatus::ok) return {};
+    return deformation_meter->measure(earlier, later, shift.dx_px, shift.dy_px);
+  }
+
+ private:
+  static TrackedShift refused(ShiftStatus status) {
+    TrackedShift out;
+    out.shift.status = status;
+    return out;
   }
 };
 
+Result<PairMeter> make_meter(const TrackConfig& config, const FrameFormat& format) {
+  Result<ShiftMeter> meter = ShiftMeter::create(config, format);
+  if (!meter) return meter.error();
+  std::optional<DeformationMeter> deformation;
+  if (config.measure_deformation) {
+    Result<DeformationMeter> made =
+        DeformationMeter::create(format, config.calibration.noise_sd_counts);
+    if (!made) return made.error();
+    deformation.emplace(std::move(made).value());
+  }
+  return PairMeter(std::move(meter).value(), std::move(deformation));
+}
+
 nlohmann::ordered_json json_of(const Frame& a, const Frame& b, const TrackedShift& found,
-                               const TrackConfig& config) {
+                               const Deformation& deformation, const TrackConfig& config) {
   const Shift& shift = found.shift;
   const bool ok = shift.status == ShiftStatus::ok;
   // A non-finite number becomes null.
   const auto if_ok = [ok](double value) { return ok ? value : kUnknown; };
-  return {{"schema", "lsv.shift/1"},
-          {"frame_a", a.index},
-          {"frame_b", b.index},
-          {"status", word(shift.status)},
-          {"dx_px", if_ok(shift.dx_px)},
-          {"dy_px", if_ok(shift.dy_px)},
-          {"sigma_dx_px", if_ok(std::sqrt(shift.cov.xx_px2))},
-          {"sigma_dy_px", if_ok(std::sqrt(shift.cov.yy_px2))},
-          {"cov_px2", {if_ok(shift.cov.xx_px2), if_ok(shift.cov.xy_px2), if_ok(shift.cov.yy_px2)}},
-          {"zncc", shift.quality.zncc},
-          {"q", shift.quality.q},
-          {"peak_ratio", shift.quality.peak_ratio},
-          {"peak_to_rms", shift.quality.peak_to_rms},
-          {"zncc_sigmas", shift.quality.zncc_sigmas},
-          {"outlier_probability", shift.quality.outlier_probability},
-          {"preset", word(config.preset)},
-          {"engine", word(config.correlation.engine)},
-          {"peak_fit", word(config.correlation.peak_fit)},
-          {"refined", ok && found.keyframe_noise_cancels}};
+  nlohmann::ordered_json row = {
+      {"schema", "lsv.shift/1"},
+      {"frame_a", a.index},
+      {"frame_b", b.index},
+      {"status", word(shift.status)},
+      {"dx_px", if_ok(shift.dx_px)},
+      {"dy_px", if_ok(shift.dy_px)},
+      {"sigma_dx_px", if_ok(std::sqrt(shift.cov.xx_px2))},
+      {"sigma_dy_px", if_ok(std::sqrt(shift.cov.yy_px2))},
+      {"cov_px2", {if_ok(shift.cov.xx_px2), if_ok(shift.cov.xy_px2), if_ok(shift.cov.yy_px2)}},
+      {"zncc", shift.quality.zncc},
+      {"q", shift.quality.q},
+      {"peak_ratio", shift.quality.peak_ratio},
+      {"peak_to_rms", shift.quality.peak_to_rms},
+      {"zncc_sigmas", shift.quality.zncc_sigmas},
+      {"outlier_probability", shift.quality.outlier_probability},
+      {"preset", word(config.preset)},
+      {"engine", word(config.correlation.engine)},
+      {"peak_fit", word(config.correlation.peak_fit)},
+      {"refined", ok && found.refined}};
+  if (config.measure_deformation) {
+    row["rotation_rad"] = deformation.rotation_rad;
+    row["sigma_rotation_rad"] = deformation.sigma_rotation_rad;
+    row["expansion_ratio"] = deformation.expansion_ratio;
+    row["sigma_expansion_ratio"] = deformation.sigma_expansion_ratio;
+  }
+  return row;
 }
 
 /// One row per dy, one column per dx, both named in px.
@@ -117,14 +155,27 @@ Result<void> write_plane(const std::string& path, const CorrelationPlane& plane)
   return file.value().commit();
 }
 
-/// True when a frame was read, false at the end of the input.
-Result<bool> next_pair(FrameSource& source, Frame& a, Frame& b) {
+/// True when a pair was read, false at the end of the input. Where the pairs before it began at
+/// `first_index`, this one begins an even number of steps further on.
+Result<bool> next_pair(FrameSource& source, std::optional<std::int64_t> first_index,
+                       std::int64_t step, Frame& a, Frame& b) {
   Result<bool> first = source.next(a);
   if (!first || !first.value()) return first;
   Result<bool> second = source.next(b);
-  if (!second || second.value()) return second;
-  return Error{ErrorCode::bad_input, "frame " + std::to_string(a.index) +
-                                         " has no partner: pairs need an even number of frames"};
+  if (!second) return second;
+  const std::string frame = "frame " + std::to_string(a.index);
+  if (!second.value()) {
+    return Error{ErrorCode::bad_input,
+                 frame + " has no partner: pairs need an even number of frames"};
+  }
+  const bool begins_well = !first_index || (a.index - *first_index) % (2 * step) == 0;
+  if (!begins_well || b.index != a.index + step) {
+    return Error{ErrorCode::bad_input,
+                 frame + " and frame " + std::to_string(b.index) +
+                     " are no pair: a frame is missing; with --ignore-numbers the frames are "
+                     "taken two by two whatever their numbers"};
+  }
+  return second;
 }
 
 struct Counts {
@@ -134,22 +185,28 @@ struct Counts {
 };
 
 Result<Counts> measure_pairs(ShiftCommand& command, FrameSource& source, OutputFile& out) {
-  Result<ShiftMeter> made = ShiftMeter::create(command.track.config, source.info().format);
+  Result<PairMeter> made = make_meter(command.track.config, source.info().format);
   if (!made) return Error{made.error().code, command.frames.front() + ": " + made.error().message};
-  PairMeter meter(std::move(made).value());
+  PairMeter& meter = made.value();
   Counts counts;
   Frame a, b;
+  std::optional<std::int64_t> first_index;
   while (!interrupted()) {
-    const Result<bool> more = next_pair(source, a, b);
-    if (!more) return more.error();
+    const Result<bool> more =
+        next_pair(source, first_index, std::max<std::int64_t>(command.track.source.step, 1), a, b);
+    if (!more && interrupted()) break;  // the signal ended the wait for a pipe
+    if (!more)
+      return Error{more.error().code, command.frames.front() + ": " + more.error().message};
     if (!more.value()) break;
+    if (!first_index) first_index = a.index;
     const TrackedShift found = meter.measure(a.view(), b.view());
     ++counts.pairs;
     if (found.shift.status != ShiftStatus::ok) {
       ++counts.refused;
       counts.last_reason = found.shift.status;
     }
-    const nlohmann::ordered_json row = json_of(a, b, found, command.track.config);
+    const nlohmann::ordered_json row =
+        json_of(a, b, found, meter.deformation(found.shift), command.track.config);
     if (Result<void> written = out.write(row.dump(command.pairs ? -1 : 2) + '\n'); !written)
       return written.error();
     if (command.pairs || command.plane_path.empty()) continue;
@@ -168,7 +225,9 @@ Result<void> check(const ShiftCommand& command) {
     return Error{ErrorCode::invalid_argument, "no frames after --pairs"};
   if (command.pairs && !command.plane_path.empty())
     return Error{ErrorCode::invalid_argument, "--plane is for one pair, not for --pairs"};
-  return {};
+  if (!(command.track.max_rejected_share >= 0.0 && command.track.max_rejected_share <= 1.0))
+    return Error{ErrorCode::invalid_argument, "--max-rejected must be between 0 and 1"};
+  return at_most_one_on_stdout({command.output_path, command.plane_path});
 }
 
 Result<int> shift(ShiftCommand& command) {
@@ -191,13 +250,18 @@ Result<int> shift(ShiftCommand& command) {
   if (!source) return source.error();
   for (const std::string& warning : source.value()->info().warnings)
     std::fprintf(stderr, "lsv: warning: %s\n", warning.c_str());
+  std::vector<std::string> inputs = source.value()->info().files;
+  inputs.push_back(track.calibration_path);
+  if (Result<void> checked = refuse_inputs({command.output_path, command.plane_path}, inputs);
+      !checked)
+    return checked.error();
   Result<OutputFile> out = OutputFile::open(command.output_path);
   if (!out) return out.error();
   catch_interrupts();
   const Result<Counts> counts = measure_pairs(command, *source.value(), out.value());
   if (!counts) return counts.error();
-  if (interrupted()) return kExitInterrupted;
   if (Result<void> committed = out.value().commit(); !committed) return committed.error();
+  if (interrupted()) return kExitInterrupted;
   if (counts.value().pairs == 0)
     return Error{ErrorCode::bad_input, command.frames.front() + ": no frames to pair"};
   const double share =

@@ -2,6 +2,7 @@
 #include "tools/simulated_loop.h"
 
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace lsv::cli {
@@ -14,7 +15,16 @@ std::size_t there_and_back(std::int64_t k, std::size_t frames) {
 
 Result<SimulatedLoop> SimulatedLoop::render(const sim::SpeckleConfig& camera, double max_step_px,
                                             int frames) {
-  return render(camera, sim::random_shifts(max_step_px, max_step_px, frames, camera.seed), frames);
+  // Half a swing of a pendulum: the other half is the way back.
+  const double phase_per_frame = std::numbers::pi / (frames - 1);
+  const double amplitude_px = max_step_px / phase_per_frame;
+  const auto swing = [=](std::int64_t k) {
+    const double phase = phase_per_frame * static_cast<double>(k);
+    const double at_px = amplitude_px * (1.0 - std::cos(phase));
+    const double v_px = max_step_px * std::sin(phase);
+    return sim::PatternMotion{at_px, at_px, v_px, v_px};
+  };
+  return render(camera, swing, frames);
 }
 
 Result<SimulatedLoop> SimulatedLoop::render(const sim::SpeckleConfig& camera,
@@ -58,6 +68,13 @@ Calibration matching_calibration(const sim::SpeckleConfig& camera) {
   out.sc_y_ratio = 2.0;
   out.noise_mean_counts = camera.noise_mean_counts;
   out.noise_sd_counts = camera.noise_sd_counts;
+  return out;
+}
+
+TrackConfig loop_config(const sim::SpeckleConfig& camera) {
+  TrackConfig out;
+  out.calibration = matching_calibration(camera);
+  out.gate.refuse_frozen = false;
   return out;
 }
 

@@ -24,7 +24,8 @@ struct TrueShift {
 
 class SimulatedLoop {
  public:
-  /// `frames` >= 2 frames of `camera`; the shifts are random, up to `max_step_px` along each axis.
+  /// `frames` >= 2 frames of `camera`; the pattern swings to and fro along the diagonal, with up to
+  /// `max_step_px` per frame along each axis.
   static Result<SimulatedLoop> render(const sim::SpeckleConfig& camera, double max_step_px,
                                       int frames);
   /// The same with frames along `motion`; played there and back, its speed turns at the ends.
@@ -49,5 +50,7 @@ class SimulatedLoop {
 
 /// A calibration that fits the noise of `camera`; its geometry is that of the Masuku thesis.
 Calibration matching_calibration(const sim::SpeckleConfig& camera);
+/// Defaults for a loop of frames of `camera`: they come back bit for bit, and are not frozen.
+TrackConfig loop_config(const sim::SpeckleConfig& camera);
 
 }  // namespace lsv::cli

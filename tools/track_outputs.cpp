@@ -10,6 +10,7 @@
 #include "lsv/output/csv_sink.h"
 #include "lsv/output/jsonl_sink.h"
 #include "lsv/output/tum_sink.h"
+#include "tools/output_names.h"
 
 namespace lsv::cli {
 namespace {
@@ -37,30 +38,8 @@ Result<void> expand_directory(OutputPaths& paths) {
   return {};
 }
 
-Result<void> at_most_one_on_stdout(const OutputPaths& paths) {
-  const auto wanted = {paths.csv, paths.tum, paths.jsonl, paths.report, paths.summary};
-  if (std::count(wanted.begin(), wanted.end(), "-") > 1) {
-    return Error{ErrorCode::invalid_argument,
-                 "only one output can be '-' (standard output) at a time"};
-  }
-  return {};
-}
-
-Result<void> refuse_inputs(const OutputPaths& paths, const std::vector<std::string>& inputs) {
-  std::vector<std::string> outputs = {paths.csv, paths.tum, paths.jsonl, paths.report,
-                                      paths.summary};
-  if (!paths.directory.empty()) outputs.push_back(config_path(paths));
-  for (const std::string& output : outputs) {
-    std::error_code ignored;  // what does not exist is not an input
-    if (output.empty() || !std::filesystem::is_regular_file(output, ignored)) continue;
-    for (const std::string& input : inputs) {
-      if (std::filesystem::equivalent(output, input, ignored)) {
-        return Error{ErrorCode::invalid_argument,
-                     output + ": is an input of this run; choose another name for the output"};
-      }
-    }
-  }
-  return {};
+std::vector<std::string> names(const OutputPaths& paths) {
+  return {paths.csv, paths.tum, paths.jsonl, paths.report, paths.summary};
 }
 
 }  // namespace
@@ -95,10 +74,11 @@ Result<void> refuse_empty_names(const CLI::App& command) {
 Result<TrackOutputs> TrackOutputs::open(OutputPaths paths, const RunInfo& info,
                                         const std::string& config_toml,
                                         const std::vector<std::string>& inputs) {
-  if (Result<void> checked = at_most_one_on_stdout(paths); !checked) return checked.error();
+  if (Result<void> checked = at_most_one_on_stdout(names(paths)); !checked) return checked.error();
   if (Result<void> expanded = expand_directory(paths); !expanded) return expanded.error();
-
-  if (Result<void> checked = refuse_inputs(paths, inputs); !checked) return checked.error();
+  std::vector<std::string> outputs = names(paths);
+  if (!paths.directory.empty()) outputs.push_back(config_path(paths));
+  if (Result<void> checked = refuse_inputs(outputs, inputs); !checked) return checked.error();
 
   TrackOutputs out;
   out.report_frame_ = paths.report_frame;

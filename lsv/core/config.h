@@ -57,7 +57,7 @@ struct GateConfig {
   double min_zncc = 0.2;                // [-1, 1]
   double min_zncc_sigmas = 6.0;         // against chance; follows window, overlap and speckle size
   double min_q = 4.0;                   // depends on window and speckle size: tune per data set
-  double min_peak_ratio = 1.2;          // >= 1
+  double min_peak_ratio = 1.2;          // >= 0; up to 1 it refuses nothing
   double min_signal_fraction = 0.008;   // mean above camera offset, of full scale, [0, 1]
   double max_saturated_fraction = 0.5;  // of the pixels, [0, 1]
   double min_contrast_to_noise = 3.0;   // pixel spread / camera noise sd, >= 0

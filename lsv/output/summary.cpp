@@ -110,7 +110,7 @@ Result<void> SummaryBuilder::write(const StepReport& report) {
   ++frames_;
   ++count_by_status_[static_cast<std::size_t>(report.shift.status)];
   if (report.shift.status == ShiftStatus::ok) add_accepted(report);
-  if (is_rejected(report.shift.status)) held_ns_ += report.dt_ns;
+  if (is_rejected(report.shift.status)) held_ns_ += report.stamp.ns - last_.stamp.ns;
   last_ = report;
   return {};
 }

@@ -91,7 +91,7 @@ TrackedShift measured(const Frame& earlier, const Frame& later, const Guess& gue
 void expect_shift(const TrackedShift& got, double dx_px, double dy_px, double tolerance_px,
                   Refinement refinement = Refinement::icgn) {
   ASSERT_EQ(got.shift.status, ShiftStatus::ok);
-  EXPECT_EQ(got.keyframe_noise_cancels, refinement == Refinement::icgn);
+  EXPECT_EQ(got.refined, refinement == Refinement::icgn);
   EXPECT_NEAR(got.shift.dx_px, dx_px, tolerance_px);
   EXPECT_NEAR(got.shift.dy_px, dy_px, tolerance_px);
 }
@@ -175,7 +175,7 @@ TEST(TrackerTargets, AgreeOnEveryStage) {
         EXPECT_NEAR(got.shift.quality.zncc, want.shift.quality.zncc, 1e-5);
         EXPECT_NEAR(got.shift.cov.xx_px2 / want.shift.cov.xx_px2, 1.0, 1e-2);
         EXPECT_NEAR(got.shift.cov.yy_px2 / want.shift.cov.yy_px2, 1.0, 1e-2);
-        EXPECT_EQ(got.keyframe_noise_cancels, want.keyframe_noise_cancels);
+        EXPECT_EQ(got.refined, want.refined);
       }
     }
   }

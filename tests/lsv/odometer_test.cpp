@@ -221,6 +221,77 @@ TEST_F(OdometerTest, AfterARepeatedFrameTheSpeedIsStillRight) {
   EXPECT_NEAR(after.velocity.vx_m_s, before.velocity.vx_m_s, 1e-4);
 }
 
+// A stuck ring of two buffers hands out the frame before the last one again.
+TEST_F(OdometerTest, AStuckPairOfBuffersIsFrozen) {
+  const Frame first = simulated(camera_, 0, 0.0, 0.0);
+  push(first);
+  Frame second = simulated(camera_, 1, 4.0, 0.0);
+  EXPECT_EQ(push(second).shift.status, ShiftStatus::ok);
+  for (const std::int64_t i : {2, 3, 4, 5}) {
+    FrameView again = i % 2 == 0 ? first.view() : second.view();
+    again.index = i;
+    again.stamp = {i * kPeriod_ns};
+    EXPECT_EQ(odometer_.push(again).value().shift.status, ShiftStatus::frozen) << i;
+  }
+}
+
+// 40 px are beyond the search range; the speed before the gap leads there.
+TEST_F(OdometerTest, OneBadFrameInAFastDriveCostsNoDistance) {
+  for (int i = 0; i < 6; ++i) push_at(i, 20.0 * i, 0.0);
+  EXPECT_EQ(push(constant(format_, 6, 3)).shift.status, ShiftStatus::dark);
+  const StepReport after = push_at(7, 140.0, 0.0);
+  ASSERT_EQ(after.shift.status, ShiftStatus::ok);
+  EXPECT_EQ(after.segment, 0);
+  EXPECT_NEAR(after.shift.dx_px, 40.0, 0.01);
+  EXPECT_EQ(push_at(8, 900.0, 0.0).shift.status, ShiftStatus::below_zncc_gate);
+  EXPECT_NEAR(push_at(9, 180.0, 0.0).shift.dx_px, 40.0, 0.01);
+}
+
+TEST_F(OdometerTest, DarkFramesAtTheStartHaveNoInterval) {
+  for (int i = 0; i < 3; ++i) {
+    Frame dark = constant(format_, i, 3);
+    dark.stamp = {1'700'000'000 * kNsPerS + i * kPeriod_ns};
+    EXPECT_EQ(push(dark).dt_ns, 0) << i;
+  }
+}
+
+TEST_F(OdometerTest, RestIsForgottenWithTheGround) {
+  for (int i = 0; i < 60; ++i) push_at(i, 0.0, 0.0);
+  push_at(60, 500.0, 0.0);
+  const StepReport found = push_at(61, 500.0, 0.0);
+  EXPECT_EQ(found.segment, 1);
+  EXPECT_NE(found.motion, MotionState::at_rest);
+}
+
+TEST_F(OdometerTest, LookingAtThePlaneChangesNothing) {
+  Odometer watched = Odometer::create(test::bridget_config(), format_).value();
+  for (int i = 0; i < 12; ++i) {
+    const Frame frame = simulated(camera_, i, 1.7 * i, 0.4 * i);
+    const StepReport plain = push(frame);
+    const StepReport other = watched.push(frame.view()).value();
+    if (i == 0) continue;
+    EXPECT_EQ(plain.shift.dx_px, other.shift.dx_px) << i;
+    EXPECT_EQ(plain.shift.quality.q, other.shift.quality.q) << i;
+    EXPECT_GT(watched.plane().at(2, 0), 0.5) << i;
+  }
+}
+
+TEST(Odometer, RefusesPixelsAboveFullScaleAndOddAddresses) {
+  const FrameFormat format{
+      .width_px = 64, .height_px = 64, .type = PixelType::mono16, .bit_depth = 12};
+  Odometer odometer = Odometer::create(test::bridget_config(), format).value();
+  Frame frame(format);
+  for (int y = 0; y < 64; ++y) std::fill_n(frame.row16(y), 64, std::uint16_t{700});
+  frame.row16(63)[63] = 4096;
+  EXPECT_FALSE(odometer.push(frame.view()));
+  frame.row16(63)[63] = 4095;
+  EXPECT_TRUE(odometer.push(frame.view()));
+  FrameView odd = frame.view();
+  odd.stamp = {kPeriod_ns};
+  odd.data += 1;
+  EXPECT_FALSE(odometer.push(odd));
+}
+
 TEST(Odometer, RefusesImpossibleFormatsAndSizes) {
   for (const FrameFormat& format :
        {FrameFormat{.width_px = 64, .height_px = 64, .bit_depth = 40},

@@ -98,6 +98,47 @@ TEST(Shift, RefusesWhatIsNoPair) {
   EXPECT_EQ(lsv_run({"shift", "--pairs", a, a, "--plane", "p.csv"}).exit_code, 2);
 }
 
+TEST(Shift, NeverOverwritesWhatItReads) {
+  const std::string folder = test::fresh_directory();
+  for (const char* name : {"/frame_00000.png", "/frame_00001.png"})
+    std::filesystem::copy(kSamples + "/drive_png" + name, folder + name);
+  const std::string a = folder + "/frame_00000.png";
+  const std::string b = folder + "/frame_00001.png";
+  const std::string before = read_text(b);
+  EXPECT_EQ(lsv_run({"shift", a, b, "-o", b}).exit_code, 2);
+  EXPECT_EQ(lsv_run({"shift", a, b, "--plane", b}).exit_code, 2);
+  EXPECT_EQ(read_text(b), before);
+  EXPECT_EQ(lsv_run({"shift", a, b, "--plane", "-"}).exit_code, 2);
+  EXPECT_EQ(lsv_run({"shift", a, b, "--max-rejected", "7"}).exit_code, 2);
+}
+
+// One lost file must not pair every later frame with the wrong partner.
+TEST(Shift, AMissingFrameIsNoPair) {
+  const std::string folder = test::fresh_directory();
+  for (const char* name :
+       {"/frame_00000.png", "/frame_00002.png", "/frame_00003.png", "/frame_00004.png"})
+    std::filesystem::copy(kSamples + "/drive_png" + name, folder + name);
+  const ProgramResult refused = lsv_run({"shift", "--pairs", folder});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.err.find("a frame is missing"), std::string::npos) << refused.err;
+  EXPECT_EQ(refused.out, "");
+  EXPECT_EQ(lsv_run({"shift", "--pairs", folder, "--ignore-numbers"}).exit_code, 0);
+}
+
+TEST(Shift, DeformationAndFrozenFrames) {
+  const std::string a = kSamples + "/drive_png/frame_00000.png";
+  const std::string b = kSamples + "/drive_png/frame_00001.png";
+  const auto row = nlohmann::json::parse(lsv_run({"shift", a, b, "--deformation"}).out);
+  const double rotation_rad = row.at("rotation_rad").get<double>();
+  EXPECT_LT(std::abs(rotation_rad), 5.0 * row.at("sigma_rotation_rad").get<double>());
+  EXPECT_TRUE(row.at("expansion_ratio").is_number());
+  const ProgramResult same =
+      lsv_run({"shift", a, a, "--calibration", kSamples + "/calibration.toml"});
+  EXPECT_EQ(same.exit_code, 4);
+  EXPECT_EQ(nlohmann::json::parse(same.out).at("status"), "frozen");
+  EXPECT_EQ(lsv_run({"shift", a, a}).exit_code, 0);  // a camera without noise may repeat itself
+}
+
 TEST(Info, RefusesAsTrackDoes) {
   EXPECT_EQ(lsv_run({"info"}).exit_code, 2);
   EXPECT_EQ(lsv_run({"info", kSamples + "/nothing.png"}).exit_code, 3);

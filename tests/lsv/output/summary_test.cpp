@@ -20,6 +20,19 @@ Summary summary_of(const std::vector<StepReport>& reports, const RunInfo& info =
   return builder.summary();
 }
 
+// dt_ns of a refused row reaches back to the last accepted one: it must not be counted twice.
+TEST(Summary, HeldTimeIsTheTimeThatPassed) {
+  std::vector<StepReport> reports(11);
+  for (std::int64_t i = 0; i <= 10; ++i) {
+    StepReport& report = reports[static_cast<std::size_t>(i)];
+    report.frame = i;
+    report.stamp = {i * kNsPerS};
+    report.dt_ns = i * kNsPerS;
+    report.shift.status = i == 0 ? ShiftStatus::first_frame : ShiftStatus::dark;
+  }
+  EXPECT_DOUBLE_EQ(summary_of(reports).held_time_s, 10.0);
+}
+
 // first (0 s), ok, below_q_gate, ok at index 5, dark: each 10 ms apart, each step (1, -2) mm.
 TEST(Summary, NumbersByHand) {
   const Summary summary = summary_of(sample_reports());

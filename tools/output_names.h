@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What must hold for the names of a command's outputs before any of them is opened. An empty name
+// is an output that nobody asked for; "-" is standard output.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lsv/core/result.h"
+
+namespace lsv::cli {
+
+Result<void> at_most_one_on_stdout(const std::vector<std::string>& outputs);
+
+/// Refuses an output that is, by whatever name, one of the files read.
+Result<void> refuse_inputs(const std::vector<std::string>& outputs,
+                           const std::vector<std::string>& inputs);
+
+}  // namespace lsv::cli
