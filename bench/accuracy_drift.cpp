@@ -38,8 +38,8 @@ class Follower {
 
   const StepReport& report() const { return report_; }
   int refused() const { return refused_; }
-  double x_px() const { return report_.position.x_m / scale_.x_m_per_px; }
-  double y_px() const { return report_.position.y_m / scale_.y_m_per_px; }
+  double x_px() const { return report_.position.x_m / scale_.xx; }
+  double y_px() const { return report_.position.y_m / scale_.yy; }
 
  private:
   Odometer odometer_;

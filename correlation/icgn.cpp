@@ -28,13 +28,13 @@ constexpr double kRoundingVariance_counts2 = 1.0 / 12.0;
 // simulator from 1.2 to 15 px speckle. It grows with the fourth power of the width of the peak up
 // to 6 px speckle, in proportion from there on; below 3 px speckle undersampling takes over.
 constexpr double kModelErrorPixels = 128.0 * 128.0;
-// However many pixels: weights have 15 bits.
+// However many more pixels there are: weights have 15 bits.
 constexpr double kSmallestError_px = 5e-5;
 constexpr double kModelError_1_px3 = 3.4e-6;
 constexpr double kCoarsePeak_px2 = 6.5;
 constexpr double kUndersampling_px = 1e-3;
 constexpr double kUndersampledSpeckle_px = 2.1;  // where it is that large; e times less for every
-constexpr double kUndersamplingDecay_px = 0.3;
+constexpr double kUndersamplingDecay_px = 0.22;
 // Boiling that is less than this many standard deviations of its estimate is taken for noise.
 constexpr double kBoilingFromSigmas = 0.5;
 // Boiling of speckle intensity against that of a Gaussian pattern of the same autocovariance.
@@ -293,8 +293,9 @@ Refined IcGn::refine(const TrackReference& reference, const TrackFrame& later, c
         std::exp((kUndersampledSpeckle_px - speckle_fwhm_px(width_px2)) / kUndersamplingDecay_px);
     // Undersampling errs alike in many places, so that more pixels help less.
     const double fewer = kModelErrorPixels / fit.reference.n;
+    const double floor_share = std::max(0.0, 1.0 - fewer);
     return smooth_px * smooth_px * fewer + sharp_px * sharp_px * std::sqrt(fewer) +
-           kSmallestError_px * kSmallestError_px;
+           kSmallestError_px * kSmallestError_px * floor_share;
   };
   out.noise_cov.xx_px2 += model_variance(peak.shape.xx_px2);
   out.noise_cov.yy_px2 += model_variance(peak.shape.yy_px2);

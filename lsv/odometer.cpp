@@ -32,10 +32,11 @@ Result<void> check_words(const FrameView& frame) {
 }
 
 SensorPosition position_of(const PatternStep& step, const PixelScale& scale) {
-  return {.x_m = step.x_px * scale.x_m_per_px,
-          .y_m = step.y_px * scale.y_m_per_px,
-          .sigma_x_m = std::sqrt(step.position_cov.xx_px2) * scale.x_m_per_px,
-          .sigma_y_m = std::sqrt(step.position_cov.yy_px2) * scale.y_m_per_px};
+  const Travel so_far = travel(step.x_px, step.y_px, step.position_cov, scale);
+  return {.x_m = so_far.x_m,
+          .y_m = so_far.y_m,
+          .sigma_x_m = so_far.sigma_x_m,
+          .sigma_y_m = so_far.sigma_y_m};
 }
 
 }  // namespace
@@ -102,7 +103,7 @@ Result<StepReport> Odometer::push(const FrameView& frame) {
   report.dt_ns = frame.stamp.ns - step.since.ns;
   if (step.shift.status == ShiftStatus::ok)
     report.velocity =
-        velocity(displacement(step.shift, scale_), seconds_between(step.since, frame.stamp));
+        velocity(travel(step.shift, scale_), seconds_between(step.since, frame.stamp));
   return report;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "lsv/core/calibration.h"
 #include "lsv/core/result.h"
 #include "lsv/core/shift.h"
 
@@ -62,19 +63,6 @@ struct GateConfig {
   double max_saturated_fraction = 0.5;  // of the pixels, [0, 1]
   double min_contrast_to_noise = 3.0;   // pixel spread / camera noise sd, >= 0
   bool refuse_frozen = true;            // ignored when the camera noise sd is 0
-};
-
-/// From pixel shift to metres on the ground: surface travel = shift * pitch / Sc (eqs 3.8, 3.9 of
-/// the Masuku thesis), and the camera noise that the gates and sigmas rest on.
-struct Calibration {
-  std::string sensor_name;
-  double pixel_pitch_x_m = kUnknown;  // > 0
-  double pixel_pitch_y_m = kUnknown;
-  double sc_x_ratio = kUnknown;  // pattern shift on the sensor / surface travel, > 0
-  double sc_y_ratio = kUnknown;
-  double noise_mean_counts = kUnknown;  // dark level, >= 0
-  double noise_sd_counts = kUnknown;    // temporal noise of one pixel, >= 0; 0 = noise-free frames
-  std::string digest;                   // SHA-256 of the file it came from, hex
 };
 
 struct TrackConfig {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Metric motion in SENSOR axes: x along image columns, y along image rows, as the surface
-// moves under the sensor. The mount (sensor to body axes, REP-103) is a later, separate type, so
-// that it cannot be forgotten.
+// Metric motion of the surface under the sensor, in SENSOR axes: x along image columns and y along
+// image rows, or the reference axes of the calibration where it has them. The mount (sensor to body
+// axes, REP-103) is a later, separate type, so that it cannot be forgotten.
 #pragma once
 
 #include "lsv/core/shift.h"
@@ -15,8 +15,8 @@ struct SensorVelocity {
   double sigma_vy_m_s = kUnknown;
 };
 
-/// Distance travelled since the first frame along fixed sensor axes. The sigmas hold the
-/// error of the accepted shifts only: not the scale's, and nothing for gaps.
+/// Distance travelled since the first frame along fixed sensor axes. The sigmas hold the error of
+/// the accepted shifts and, where the calibration tells it, of the scale; nothing for gaps.
 struct SensorPosition {
   double x_m = 0.0;
   double y_m = 0.0;

@@ -23,6 +23,8 @@ noise_mean_counts = 3.0
 noise_sd_counts = 0.5
 )";
 
+const std::string kFormat = "[format]\nwidth_px = 128\nheight_px = 96\nbit_depth = 8\n";
+
 std::string with(const std::string& from, const std::string& to) {
   std::string out = kGood;
   const std::size_t at = out.find(from);
@@ -71,7 +73,8 @@ TEST(ParseCalibration, RefusesWithFileLineAndKey) {
       {with("name = \"bench\"", "name = 7"), "c.toml:3: sensor.name"},
       {with("sc_x_ratio", "sc_x"), "c.toml:6: unknown key sensor.sc_x"},
       {with("[camera]", "[lens]\nf_m = 0.05\n[camera]"), "c.toml:8: unknown key lens"},
-      {with("lsv.calibration/1", "lsv.calibration/2"), "c.toml:1: schema"},
+      {with("lsv.calibration/1", "lsv.calibration/3"), "c.toml:1: schema"},
+      {kGood + kFormat, "c.toml:11: [format] needs schema"},
       {with("schema = \"lsv.calibration/1\"\n", ""), "the key schema is missing"},
       {with("[camera]", "[sensor]"), "c.toml:8:"},
       {with("sc_y_ratio = 2", "sc_y_ratio = 2\nsc_y_ratio = 3"), "c.toml:8:"},
@@ -87,6 +90,77 @@ TEST(ParseCalibration, RefusesWithFileLineAndKey) {
     EXPECT_EQ(result.error().code, ErrorCode::bad_input);
     EXPECT_NE(result.error().message.find(says), std::string::npos) << result.error().message;
     EXPECT_EQ(result.error().message.find('\n'), std::string::npos) << result.error().message;
+  }
+}
+
+Calibration full_calibration() {
+  Calibration c = parse_calibration(kGood, "c.toml").value();
+  c.sensor_name = "a \"name\" \xC3\xA9";
+  ScaleRecord scale;
+  scale.orientation = {.angle_rad = -2.1, .skew_rad = 0.003, .mirrored = true};
+  for (std::size_t i = 0; i < 4; ++i) scale.cov[i][i] = 1e-8 * static_cast<double>(i + 1);
+  scale.cov[0][2] = scale.cov[2][0] = 0.4e-8;
+  scale.height_m = 0.12;
+  scale.date = "2026-11-24";
+  scale.method = "stage";
+  scale.inputs_sha256 = sha256_hex("x");
+  c.scale = scale;
+  c.format = SensorFormat{.width_px = 128, .height_px = 96, .bit_depth = 8};
+  c.maps = MapsRecord{.file = "maps.npy", .sha256 = sha256_hex("m")};
+  c.mount = Mount{.x_m = 0.3,
+                  .y_m = -0.2,
+                  .yaw_rad = 1.5,
+                  .sigma_x_m = 1e-3,
+                  .sigma_y_m = 2e-3,
+                  .sigma_yaw_rad = 1e-4};
+  return c;
+}
+
+TEST(CalibrationText, ReadsBackTheSameNumbers) {
+  const Calibration c = full_calibration();
+  const std::string text = calibration_text(c);
+  const Result<Calibration> read = parse_calibration(text, "c.toml");
+  ASSERT_TRUE(read) << read.error().message << "\n" << text;
+  const Calibration& r = read.value();
+  EXPECT_EQ(r.sensor_name, c.sensor_name);
+  EXPECT_EQ(r.sc_x_ratio, c.sc_x_ratio);
+  ASSERT_TRUE(r.scale && r.format && r.maps && r.mount);
+  EXPECT_EQ(r.scale->orientation.angle_rad, -2.1);
+  EXPECT_TRUE(r.scale->orientation.mirrored);
+  EXPECT_EQ(r.scale->method, "stage");
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j)
+      EXPECT_NEAR(r.scale->cov[i][j], c.scale->cov[i][j], 1e-20) << i << j;
+  }
+  EXPECT_EQ(r.format->height_px, 96);
+  EXPECT_EQ(r.maps->file, "maps.npy");
+  EXPECT_EQ(r.mount->yaw_rad, 1.5);
+  EXPECT_EQ(parse_calibration(calibration_text(r), "c.toml").value().sc_y_ratio, c.sc_y_ratio);
+}
+
+TEST(CalibrationText, RefusesWhatCannotBe) {
+  const std::string good = calibration_text(full_calibration());
+  const struct {
+    std::string from, to, says;
+  } cases[] = {
+      {"mirrored = true", "mirrored = 1", "scale.mirrored must be true or false"},
+      {"sigma_angle_rad = ", "sigma_angle_rad = 0 # ", "scale.sigma_angle_rad is 0"},
+      {"correlations = [0,", "correlations = [2,", "scale.correlations"},
+      {"correlations = [", "correlations = [0.9, 0.9, 0, -0.9, 0, 0] # ", "cannot all hold"},
+      {"skew_rad = 0.003", "skew_rad = 1.57", "scale.skew_rad"},
+      {"width_px = 128", "width_px = 128.5", "format.width_px must be a whole number"},
+      {"height_m = 0.12", "height_m = nan", "scale.height_m"},
+      {"yaw_rad = 1.5\n", "", "mount.yaw_rad is missing"},
+      {"[maps]", "[mats]", "unknown key mats"},
+  };
+  for (const auto& [from, to, says] : cases) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from << "\n" << text;
+    text.replace(at, from.size(), to);
+    const Result<Calibration> read = parse_calibration(text, "c.toml");
+    ASSERT_FALSE(read) << says;
+    EXPECT_NE(read.error().message.find(says), std::string::npos) << read.error().message;
   }
 }
 

@@ -31,13 +31,13 @@ TEST(Thesis, Table31InMetres) {
   const PixelScale scale = pixel_scale(test::bridget_calibration());
   double sum_x_m = 0.0, sum_y_m = 0.0;
   for (const auto& [dy_px, dx_px] : kRows) {
-    const Displacement travel = displacement(shift_of(dx_px, dy_px), scale);
+    const Travel way = travel(shift_of(dx_px, dy_px), scale);
     const double want_x_m = dx_px * (14.0 * 1e-6) / 1.985;
     const double want_y_m = dy_px * (14.0 * 1e-6) / 2.000;
-    EXPECT_NEAR(travel.x_m, want_x_m, 1e-12 * std::abs(want_x_m));
-    EXPECT_NEAR(travel.y_m, want_y_m, 1e-12 * std::abs(want_y_m));
-    sum_x_m += travel.x_m;
-    sum_y_m += travel.y_m;
+    EXPECT_NEAR(way.x_m, want_x_m, 1e-12 * std::abs(want_x_m));
+    EXPECT_NEAR(way.y_m, want_y_m, 1e-12 * std::abs(want_y_m));
+    sum_x_m += way.x_m;
+    sum_y_m += way.y_m;
   }
   // By hand: the columns add up to -0.3631 px and 0.4478 px.
   EXPECT_NEAR(sum_x_m, -0.3631 * 14e-6 / 1.985, 1e-15);
@@ -57,12 +57,11 @@ TEST(Thesis, AppendixEVelocities) {
                {0.339, 4.20e-2, 8, 1},     {-0.339, 4.20e-2, -8, 1}};
   const PixelScale scale = pixel_scale(test::bridget_calibration());
   for (const auto& row : kRows) {
-    const SensorVelocity v =
-        velocity(displacement(shift_of(row.dx_px, row.dy_px), scale), 1.0 / 6000.0);
+    const SensorVelocity v = velocity(travel(shift_of(row.dx_px, row.dy_px), scale), 1.0 / 6000.0);
     EXPECT_NEAR(v.vx_m_s, row.vx_m_s, 0.0005);  // half of the last printed digit
     EXPECT_NEAR(v.vy_m_s, row.vy_m_s, 1e-9);
     const SensorVelocity as_3_11 =
-        velocity(displacement(shift_of(row.dx_px, row.dy_px), scale), 1.0 / 600.0);
+        velocity(travel(shift_of(row.dx_px, row.dy_px), scale), 1.0 / 600.0);
     EXPECT_NEAR(as_3_11.vx_m_s * 10.0, row.vx_m_s, 0.0005);  // the 600 Hz of 3.11: ten times less
   }
 }
@@ -71,23 +70,23 @@ TEST(Thesis, AppendixEVelocities) {
 TEST(Thesis, VelocityNoiseOfSection64) {
   Calibration calibration = test::bridget_calibration();
   calibration.sc_x_ratio = 2.0;
-  const Displacement travel = displacement(shift_of(0.0, 0.0, 0.1), pixel_scale(calibration));
-  EXPECT_NEAR(velocity(travel, 1e-3).sigma_vx_m_s, 0.700e-3, 1e-12);
-  EXPECT_NEAR(velocity(travel, 1.0 / 600.0).sigma_vx_m_s, 0.42e-3, 1e-12);
-  EXPECT_NEAR(velocity(travel, 1.0 / 6000.0).sigma_vx_m_s, 4.2e-3, 1e-12);
+  const Travel way = travel(shift_of(0.0, 0.0, 0.1), pixel_scale(calibration));
+  EXPECT_NEAR(velocity(way, 1e-3).sigma_vx_m_s, 0.700e-3, 1e-12);
+  EXPECT_NEAR(velocity(way, 1.0 / 600.0).sigma_vx_m_s, 0.42e-3, 1e-12);
+  EXPECT_NEAR(velocity(way, 1.0 / 6000.0).sigma_vx_m_s, 4.2e-3, 1e-12);
 }
 
 // Section 3.5.2: 80 mm/s stays inside the +-32 px search range.
 TEST(Thesis, SpeedRangeOfTheSearchWindow) {
   const PixelScale scale = pixel_scale(test::bridget_calibration());
-  EXPECT_NEAR(0.080 * 1e-3 / scale.y_m_per_px, 11.43, 0.005);
-  EXPECT_NEAR(0.080 / 600.0 / scale.y_m_per_px, 19.05, 0.005);
+  EXPECT_NEAR(0.080 * 1e-3 / scale.yy, 11.43, 0.005);
+  EXPECT_NEAR(0.080 / 600.0 / scale.yy, 19.05, 0.005);
 }
 
 // The ratio of the two coefficients: a 0.76 % difference between the axes.
 TEST(Thesis, TheAxesHaveTheirOwnCoefficient) {
   const PixelScale scale = pixel_scale(test::bridget_calibration());
-  EXPECT_NEAR(scale.x_m_per_px / scale.y_m_per_px, 1.0076, 5e-5);
+  EXPECT_NEAR(scale.xx / scale.yy, 1.0076, 5e-5);
 }
 
 }  // namespace
