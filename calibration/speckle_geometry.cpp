@@ -81,6 +81,8 @@ double refocused_slope_per_m(double focal_length_m, double magnification) {
 
 double fixed_focus_slope_per_m(double source_distance_m) { return 1.0 / source_distance_m; }
 
+double imaged_tilt_travel_m_per_rad(double defocus_m) { return 2.0 * defocus_m; }
+
 double surface_m_per_px(const SensorScale& s) { return s.pixel_pitch_m / s.sc_ratio; }
 
 double window_on_ground_m(const SensorScale& s, double window_px) {

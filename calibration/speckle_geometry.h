@@ -68,6 +68,10 @@ double refocused_slope_per_m(double focal_length_m, double magnification);
 /// It is not the change of the image size: the pattern out of focus is an objective one.
 double fixed_focus_slope_per_m(double source_distance_m);
 
+/// The surface travel that a tilt is mistaken for when the surface lies `defocus_m` beyond the
+/// plane of focus, 2 dz: 0 at focus, any sign.
+double imaged_tilt_travel_m_per_rad(double defocus_m);
+
 /// Speckles below it alias: the spectrum of the pattern passes half a cycle per px.
 inline constexpr double kAliasedSpeckle_px = 2.0;
 /// From here on sub-pixel interpolation has nothing to fear.

@@ -159,7 +159,7 @@ void append_tilt(std::string& out, const GeometryReport& r) {
   begin(out, "tilt");
   if (r.input.imaged()) {
     append(out, "none at focus; 1 deg/s reads as %.4g mm/s of travel for each mm out of focus\n",
-           2.0 * kRad_per_deg);
+           imaged_tilt_travel_m_per_rad(1e-3) * kRad_per_deg * kMm);
     return;
   }
   append(out, "1 deg/s moves the pattern by %.4g mm/s and reads as %.4g mm/s of travel\n",

@@ -153,8 +153,10 @@ TEST(SpeckleGeometryWaves, ATiltMovesThePatternWhateverTheSource) {
   for (const double source_m : {0.05, 0.1, kInfinity}) {
     bench.source_m = source_m;
     const double expected_m = kTilt_rad * tilt_shift_m_per_rad({source_m, bench.sensor_m});
-    const double shift_m = bench.pattern_shift_m(0.0, -kTilt_rad, expected_m, 20e-6);
-    EXPECT_NEAR(std::abs(shift_m), expected_m, 0.01 * expected_m) << source_m;
+    // The side that rises sends its light to the other side.
+    EXPECT_NEAR(bench.pattern_shift_m(0.0, -kTilt_rad, expected_m, 20e-6), expected_m,
+                0.01 * expected_m)
+        << source_m;
   }
 }
 
@@ -162,20 +164,30 @@ TEST(SpeckleGeometryWaves, DefocusChangesTheScaleOfImagedSpeckleByTheSourceNotBy
   Bench bench = Bench::with_rough_surface();
   constexpr double kTravel_m = 40e-6;
   constexpr double kDefocus_m = 5e-3;
-  bench.magnification = 1.0;
   bench.lens_m = 0.1;
   for (const double source_m : {0.05, 0.15, kInfinity}) {
     bench.source_m = source_m;
     for (const double defocus_m : {-kDefocus_m, 0.0, kDefocus_m}) {
       bench.sensor_m = defocus_m;  // the plane of focus lies above a surface that is too far
       const double relative = defocus_m * fixed_focus_slope_per_m(source_m);
-      const double shift_m = bench.pattern_shift_m(kTravel_m, 0.0, -kTravel_m, 12e-6);
-      EXPECT_NEAR(-shift_m / kTravel_m, 1.0 + relative, 0.01) << source_m << ' ' << defocus_m;
+      const double sc = -bench.pattern_shift_m(kTravel_m, 0.0, -kTravel_m, 12e-6) / kTravel_m;
+      EXPECT_NEAR(sc, 1.0 + relative, 0.01) << source_m << ' ' << defocus_m;
       if (std::isfinite(source_m)) {
-        EXPECT_NEAR(defocus_for_sc_m(source_m, 1.0, -shift_m / kTravel_m), defocus_m,
-                    0.01 * source_m);
+        EXPECT_NEAR(defocus_for_sc_m(source_m, 1.0, sc), defocus_m, 0.01 * source_m);
       }
     }
+  }
+}
+
+TEST(SpeckleGeometryWaves, ATiltMovesImagedSpeckleOnlyOutOfFocus) {
+  Bench bench = Bench::with_rough_surface();
+  constexpr double kTilt_rad = 2e-3;
+  bench.lens_m = 0.1;
+  for (const double defocus_m : {-5e-3, 0.0, 5e-3}) {
+    bench.sensor_m = defocus_m;
+    const double expected_m = -kTilt_rad * imaged_tilt_travel_m_per_rad(defocus_m);
+    EXPECT_NEAR(bench.pattern_shift_m(0.0, -kTilt_rad, expected_m, 10e-6), expected_m, 1e-6)
+        << defocus_m;
   }
 }
 
