@@ -42,6 +42,15 @@ std::optional<DistanceChange> height_change(const ObjectiveGeometry& g, double s
                         .sigma_m = std::abs(source_m / (sc - 2.0)) * sigma};
 }
 
+std::optional<AngleChange> incidence_change(const ObjectiveGeometry& g, double sc, double sigma) {
+  const double cos2_per_ratio = g.source_distance_m / g.sensor_distance_m;
+  const double cos2 = (sc - 1.0) * cos2_per_ratio;
+  if (!(cos2 > 0.0 && cos2 <= 1.0)) return std::nullopt;
+  const double angle_rad = std::acos(std::sqrt(cos2));
+  return AngleChange{.angle_rad = angle_rad,
+                     .sigma_rad = cos2_per_ratio * sigma / std::sin(2.0 * angle_rad)};
+}
+
 }  // namespace
 
 double predicted_sc(const ObjectiveGeometry& g) {
@@ -106,7 +115,8 @@ ScExplanation explain_sc(const ObjectiveGeometry& assumed, double measured_sc,
   return {.difference_ratio = measured_sc - predicted_sc(assumed),
           .source = source_change(assumed, measured_sc, measured_sc_sigma),
           .sensor = sensor_change(assumed, measured_sc, measured_sc_sigma),
-          .height = height_change(assumed, measured_sc, measured_sc_sigma)};
+          .height = height_change(assumed, measured_sc, measured_sc_sigma),
+          .incidence = incidence_change(assumed, measured_sc, measured_sc_sigma)};
 }
 
 double defocus_for_sc_m(double source_distance_m, double magnification, double measured_sc) {

@@ -109,13 +109,22 @@ struct DistanceChange {
   double sigma_m = kUnknown;     // from the sigma of the measured Sc, first order
 };
 
+/// An angle that was taken to be 0.
+struct AngleChange {
+  double angle_rad = kUnknown;
+  double sigma_rad = kUnknown;  // as above
+};
+
 /// Each entry is one geometry error that alone would turn the predicted Sc into the measured one;
-/// empty where no distance above 0 does.
+/// empty where no distance above 0, and no angle, does.
 struct ScExplanation {
   double difference_ratio = kUnknown;    // measured - predicted
   std::optional<DistanceChange> source;  // R_s alone
   std::optional<DistanceChange> sensor;  // L_o alone
   std::optional<DistanceChange> height;  // both by the same change; distance_m is the sensor's
+  /// Angle of the beam to the normal, in the plane of the measured axis: there
+  /// Sc = 1 + cos^2(angle) L_o / R_s, while across it Sc stays. Only ever lowers Sc.
+  std::optional<AngleChange> incidence;
 };
 
 /// `measured_sc_sigma` may be kUnknown: then so is every sigma.

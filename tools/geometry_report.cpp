@@ -239,6 +239,20 @@ const char* why_no_height(const GeometryReport& r) {
   return "a common height never carries Sc across 2";
 }
 
+void append_incidence(std::string& out, const GeometryReport& r) {
+  if (!r.explanation.incidence) {
+    append_cannot(out, "beam",
+                  r.input.collimated() ? "collimated light moves by 1 at every angle"
+                                       : "off the normal it lowers Sc, and never below 1");
+    return;
+  }
+  const AngleChange& beam = *r.explanation.incidence;
+  append(out, "%s%-9s%.2f deg", kIndent, "beam", beam.angle_rad / kRad_per_deg);
+  if (std::isfinite(beam.sigma_rad)) append(out, " +- %.2g deg", beam.sigma_rad / kRad_per_deg);
+  append(out, " off the normal in the plane of this axis; the other axis keeps %.5f\n",
+         r.scale.sc_ratio);
+}
+
 void append_objective_reasons(std::string& out, const GeometryReport& r) {
   const ObjectiveGeometry& g = r.input.distances;
   append(out, "%sEach of these alone would explain it:\n", kIndent);
@@ -261,6 +275,7 @@ void append_objective_reasons(std::string& out, const GeometryReport& r) {
   } else {
     append_cannot(out, "height", why_no_height(r));
   }
+  append_incidence(out, r);
 }
 
 void append_imaged_reasons(std::string& out, const GeometryReport& r) {
@@ -303,6 +318,11 @@ ordered_json to_json(const std::optional<DistanceChange>& change) {
   return {{"distance_m", change->distance_m},
           {"change_m", change->change_m},
           {"sigma_m", change->sigma_m}};
+}
+
+ordered_json to_json(const std::optional<AngleChange>& change) {
+  if (!change) return nullptr;
+  return {{"angle_rad", change->angle_rad}, {"sigma_rad", change->sigma_rad}};
 }
 
 ordered_json input_json(const GeometryInput& in) {
@@ -348,7 +368,8 @@ ordered_json measured_json(const GeometryReport& r) {
   } else {
     out["explained_by"] = {{"source", to_json(r.explanation.source)},
                            {"sensor", to_json(r.explanation.sensor)},
-                           {"height", to_json(r.explanation.height)}};
+                           {"height", to_json(r.explanation.height)},
+                           {"incidence", to_json(r.explanation.incidence)}};
   }
   return out;
 }

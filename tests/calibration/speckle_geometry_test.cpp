@@ -33,7 +33,8 @@ double distance_m(const Point& a, const Point& b) {
 struct Bench {
   static constexpr double kWavelength_m = 532e-9;
 
-  double source_m = 0.1;          // kInfinity: collimated
+  double source_m = 0.1;  // kInfinity: collimated
+  double incidence_rad = 0.0;
   double sensor_m = 0.1;          // objective: the sensor; imaged: the plane of focus
   double lens_m = kUnknown;       // imaged: height of the lens
   double magnification = 1.0;     // imaged
@@ -68,7 +69,9 @@ struct Bench {
   }
 
   double path_to_m(const Point& surface) const {
-    return std::isinf(source_m) ? -surface.z_m : distance_m({0.0, source_m}, surface);
+    if (std::isinf(source_m)) return -surface.z_m;
+    return distance_m({source_m * std::sin(incidence_rad), source_m * std::cos(incidence_rad)},
+                      surface);
   }
 
   std::complex<double> field(const std::vector<Point>& surface, const Point& at) const {
@@ -99,7 +102,7 @@ struct Bench {
     }
     for (const double x : x_m) {
       std::complex<double> sum;
-      for (int i = 0; i < kPupilPoints; ++i)
+      for (std::size_t i = 0; i < pupil.size(); ++i)
         sum += behind[i] * wave(distance_m(pupil[i], {x, lens_m + image_m}));
       out.push_back(std::norm(sum));
     }
@@ -144,6 +147,19 @@ TEST(SpeckleGeometryWaves, ThePatternMovesByThePredictedFactor) {
     EXPECT_NEAR(bench.pattern_shift_m(kTravel_m, 0.0, 1.9 * kTravel_m, 1.5 * kTravel_m) / kTravel_m,
                 sc, 0.005 * sc)
         << g.source_distance_m << ' ' << g.sensor_distance_m;
+  }
+}
+
+TEST(SpeckleGeometryWaves, TheAngleOfAnObliqueBeamIsFoundInTheScale) {
+  Bench bench = Bench::with_rough_surface();
+  constexpr double kTravel_m = 20e-6;
+  bench.sensor_m = 0.12;
+  for (const double incidence_deg : {7.0, 15.0, 30.0}) {
+    bench.incidence_rad = incidence_deg * kDegree_rad;
+    const double sc = bench.pattern_shift_m(kTravel_m, 0.0, 40e-6, 20e-6) / kTravel_m;
+    const auto found = explain_sc({bench.source_m, bench.sensor_m}, sc, 0.0).incidence;
+    ASSERT_TRUE(found.has_value()) << incidence_deg;
+    EXPECT_NEAR(found->angle_rad, bench.incidence_rad, 0.2 * kDegree_rad) << incidence_deg;
   }
 }
 
@@ -344,6 +360,18 @@ TEST(ExplainSc, SaysWhenADistanceCannotBeTheReason) {
   EXPECT_FALSE(under.source.has_value());
   EXPECT_FALSE(under.sensor.has_value());
   EXPECT_FALSE(under.height.has_value());
+}
+
+// The thesis measured 1.985 along x and 2.000 along y.
+TEST(ExplainSc, SevenDegreesOfIncidenceMakeTheAxesOfTheThesis) {
+  const auto beam = explain_sc({0.1, 0.1}, 1.985, 0.001).incidence;
+  ASSERT_TRUE(beam.has_value());
+  EXPECT_NEAR(beam->angle_rad, 7.03 * kDegree_rad, 0.01 * kDegree_rad);
+  const auto more = explain_sc({0.1, 0.1}, 1.985 - 1e-6, 0.001).incidence;
+  EXPECT_NEAR(beam->sigma_rad, (more->angle_rad - beam->angle_rad) / 1e-6 * 0.001, 1e-5);
+  EXPECT_FALSE(explain_sc({0.1, 0.1}, 2.001, 0.001).incidence.has_value());
+  EXPECT_FALSE(explain_sc({0.1, 0.1}, 0.999, 0.001).incidence.has_value());
+  EXPECT_FALSE(explain_sc({kInfinity, 0.1}, 1.01, 0.001).incidence.has_value());
 }
 
 TEST(ExplainSc, OfCollimatedLightOnlyTheSourceCan) {

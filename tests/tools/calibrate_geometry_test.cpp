@@ -87,6 +87,8 @@ TEST(CalibrateGeometry, ExplainsAMeasuredScale) {
 
   const json equal = geometry_json(with(kEqualHeights, {"--measured-sc", "1.985"})).at("measured");
   EXPECT_TRUE(equal.at("explained_by").at("height").is_null());
+  EXPECT_NEAR(equal.at("explained_by").at("incidence").at("angle_rad").get<double>(), 0.12278,
+              1e-5);
   EXPECT_TRUE(equal.at("sc_sigma_ratio").is_null());
 }
 
@@ -98,7 +100,8 @@ TEST(CalibrateGeometry, ExplainsForPeople) {
        {"Sc 2.00000", "1 deg/s moves the pattern by 3.491 mm/s and reads as 1.745 mm/s",
         "speckle    give --wavelength-nm, --spot-mm\n", "-0.750 %",
         "at 98.5 mm, not 100 mm: -1.5 mm",
-        "height   cannot explain it: source and sensor at one height give 2 at every height"}) {
+        "height   cannot explain it: source and sensor at one height give 2 at every height",
+        "beam     7.03 deg off the normal"}) {
     EXPECT_NE(equal.out.find(says), std::string::npos) << says << " in\n" << equal.out;
   }
   const ProgramResult close =
