@@ -23,9 +23,13 @@ int report_error(const Error& error);
 /// Each adds one subcommand whose callback stores its exit code in `exit_code`, which outlives
 /// the parse.
 void add_budget_command(CLI::App& app, int& exit_code);
+void add_calibrate_command(CLI::App& app, int& exit_code);
 void add_info_command(CLI::App& app, int& exit_code);
 void add_shift_command(CLI::App& app, int& exit_code);
 void add_simulate_command(CLI::App& app, int& exit_code);
 void add_track_command(CLI::App& app, int& exit_code);
+
+/// Below `lsv calibrate`.
+void add_calibrate_geometry(CLI::App& calibrate, int& exit_code);
 
 }  // namespace lsv::cli

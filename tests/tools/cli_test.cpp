@@ -54,10 +54,13 @@ void expect_one_line_error(const ProgramResult& result, int exit_code, const std
 TEST(Program, EveryCommandHasHelpWithAnExample) {
   const ProgramResult help = lsv_run({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const std::string command : {"track", "info", "simulate", "budget"})
+  for (const std::string command : {"track", "info", "simulate", "calibrate", "budget"})
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
-  for (const std::vector<std::string>& command :
-       {std::vector<std::string>{"track"}, {"info"}, {"simulate", "speckle"}, {"budget"}}) {
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"track"},
+                                                  {"info"},
+                                                  {"simulate", "speckle"},
+                                                  {"calibrate", "geometry"},
+                                                  {"budget"}}) {
     std::vector<std::string> args = command;
     args.emplace_back("--help");
     const ProgramResult result = lsv_run(args);
