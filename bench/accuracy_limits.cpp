@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bench/accuracy_text.h"
+#include "lsv/output/number_text.h"
 
 namespace lsv::bench {
 namespace {
@@ -24,8 +25,8 @@ constexpr RmseLimit kMustRmse[] = {
 constexpr double kAimFastB_mpx = 2.0;
 
 std::string name_of(const CaseResult& result, std::string_view method) {
-  return text("%s, condition %s, speckle of %g px", std::string(method).c_str(),
-              std::string(result.condition->name).c_str(), kSpeckleSizes_px[result.size]);
+  return formatted("%s, condition %s, speckle of %g px", std::string(method).c_str(),
+                   std::string(result.condition->name).c_str(), kSpeckleSizes_px[result.size]);
 }
 
 void check_rmse(const CaseResult& result, const MethodErrors& entry, double sigmas,
@@ -37,8 +38,8 @@ void check_rmse(const CaseResult& result, const MethodErrors& entry, double sigm
   const double chance = sigmas / std::sqrt(4.0 * entry.errors.pairs());
   const double rmse_mpx = entry.errors.rmse_px() * 1e3;
   if (!(rmse_mpx <= *limit_mpx * (1.0 + chance)))
-    broken.push_back(text("%s: RMSE %.3g mpx, Must %.3g", name_of(result, entry.method).c_str(),
-                          rmse_mpx, *limit_mpx));
+    broken.push_back(formatted("%s: RMSE %.3g mpx, Must %.3g",
+                               name_of(result, entry.method).c_str(), rmse_mpx, *limit_mpx));
 }
 
 void check_coverage(const CaseResult& result, const char* what, double value, double nominal,
@@ -46,9 +47,9 @@ void check_coverage(const CaseResult& result, const char* what, double value, do
   const int judged = result.errors_of("precise")->judged();
   const double chance = sigmas * std::sqrt(nominal * (1.0 - nominal) / judged);
   if (!(std::abs(value - nominal) <= margin + chance))
-    broken.push_back(text("%s: %.1f %% within %s sigma, Must %.0f +- %.0f %%",
-                          name_of(result, "precise").c_str(), value * 100.0, what, nominal * 100.0,
-                          margin * 100.0));
+    broken.push_back(formatted("%s: %.1f %% within %s sigma, Must %.0f +- %.0f %%",
+                               name_of(result, "precise").c_str(), value * 100.0, what,
+                               nominal * 100.0, margin * 100.0));
 }
 
 }  // namespace
@@ -82,9 +83,9 @@ std::vector<std::string> broken_limits(const CaseResult& result, Allowance allow
   const Errors* precise = result.errors_of("precise");
   if (precise == nullptr) return broken;
   if (must_have_no_outliers(result.condition->name) && precise->outliers() > 0)
-    broken.push_back(text("%s: %d of %d pairs are outliers, Must 0",
-                          name_of(result, "precise").c_str(), precise->outliers(),
-                          precise->pairs()));
+    broken.push_back(formatted("%s: %d of %d pairs are outliers, Must 0",
+                               name_of(result, "precise").c_str(), precise->outliers(),
+                               precise->pairs()));
   check_coverage(result, "1", precise->within_1_sigma(), kMustWithin1, kMustWithin1Margin, sigmas,
                  broken);
   check_coverage(result, "1.96", precise->within_196_sigma(), kMustWithin196, kMustWithin196Margin,
@@ -98,18 +99,18 @@ std::vector<std::string> broken_limits(const AccuracyResults& results, Allowance
     for (std::string& line : broken_limits(result, allowance)) broken.push_back(std::move(line));
   for (const DriftResult& drift : results.drifts) {
     if (!(std::abs(drift.precise_error_ratio) <= kMustDriftRatio))
-      broken.push_back(
-          text("precise, speckle of %g px at %g px per frame: distance wrong by %.4f %%, Must %.2f",
-               drift.speckle_px, drift.speed_px_per_frame, drift.precise_error_ratio * 100.0,
-               kMustDriftRatio * 100.0));
+      broken.push_back(formatted(
+          "precise, speckle of %g px at %g px per frame: distance wrong by %.4f %%, Must %.2f",
+          drift.speckle_px, drift.speed_px_per_frame, drift.precise_error_ratio * 100.0,
+          kMustDriftRatio * 100.0));
   }
   const ParkedResult& parked = results.parked;
   if (!(parked.farthest_px <= kMustParked_px))
-    broken.push_back(text("precise, parked: %.4f px from the start, Must %.3f", parked.farthest_px,
-                          kMustParked_px));
+    broken.push_back(formatted("precise, parked: %.4f px from the start, Must %.3f",
+                               parked.farthest_px, kMustParked_px));
   if (parked.frames_moving > 0)
-    broken.push_back(text("precise, parked: %d of %d frames reported as moving, Must 0",
-                          parked.frames_moving, parked.frames));
+    broken.push_back(formatted("precise, parked: %d of %d frames reported as moving, Must 0",
+                               parked.frames_moving, parked.frames));
   return broken;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bench/accuracy_text.h"
+#include "lsv/output/number_text.h"
 
 namespace lsv::bench {
 namespace {
@@ -27,7 +28,7 @@ double ValueAxis::y(double value) const {
 void ValueAxis::draw(Svg& svg, const std::vector<double>& ticks, std::string_view name) const {
   for (const double tick : ticks) {
     svg.line({box_.left, y(tick)}, {box_.right(), y(tick)}, kFaint);
-    svg.label({box_.left - 6.0, y(tick) + 4.0}, text("%g", tick), Anchor::end, 11.0);
+    svg.label({box_.left - 6.0, y(tick) + 4.0}, formatted("%g", tick), Anchor::end, 11.0);
   }
   svg.line({box_.left, box_.top}, {box_.left, box_.bottom()}, kInk);
   svg.line({box_.left, box_.bottom()}, {box_.right(), box_.bottom()}, kInk);

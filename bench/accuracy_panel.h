@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/accuracy_svg.h"
+#include "lsv/output/svg.h"
 
 namespace lsv::bench {
 

@@ -6,6 +6,7 @@
 #include "bench/accuracy_panel.h"
 #include "bench/accuracy_plots.h"
 #include "bench/accuracy_text.h"
+#include "lsv/output/number_text.h"
 
 namespace lsv::bench {
 namespace {
@@ -26,9 +27,10 @@ void draw_drive(Svg& svg, const Box& box, const ValueAxis& axis, double left, do
   const double middle = left + 0.5 * width;
   svg.rect({middle - bar, precise}, bar - 1.0, box.bottom() - precise, colour_of("precise"));
   svg.rect({middle, classic}, bar - 1.0, box.bottom() - classic, colour_of("classic"));
-  svg.label({middle, box.bottom() + 16.0}, text("%g", drive.speed_px_per_frame), Anchor::middle,
+  svg.label({middle, box.bottom() + 16.0}, formatted("%g", drive.speed_px_per_frame),
+            Anchor::middle, 11.0);
+  svg.label({middle, box.bottom() + 32.0}, formatted("%g px", drive.speckle_px), Anchor::middle,
             11.0);
-  svg.label({middle, box.bottom() + 32.0}, text("%g px", drive.speckle_px), Anchor::middle, 11.0);
 }
 
 }  // namespace

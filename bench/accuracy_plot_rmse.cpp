@@ -2,6 +2,7 @@
 #include "bench/accuracy_panel.h"
 #include "bench/accuracy_plots.h"
 #include "bench/accuracy_text.h"
+#include "lsv/output/number_text.h"
 
 namespace lsv::bench {
 namespace {
@@ -45,7 +46,7 @@ void draw_case(Svg& svg, const Box& box, const ValueAxis& axis, double left, dou
 void draw_panel(Svg& svg, const AccuracyResults& results, int size) {
   const Box box{kLeft, kTop + size * kPanelStep, kWidth - kLeft - 10.0, kPanelHeight};
   const ValueAxis axis(box, Scale::logarithmic, kLow_mpx, kHigh_mpx);
-  svg.label({box.left, box.top - 8.0}, text("speckle of %g px", kSpeckleSizes_px[size]));
+  svg.label({box.left, box.top - 8.0}, formatted("speckle of %g px", kSpeckleSizes_px[size]));
   axis.draw(svg, {0.1, 1.0, 10.0, 100.0, 1000.0}, "RMSE per axis, mpx");
   const double width = box.width / static_cast<double>(conditions().size());
   double left = box.left;

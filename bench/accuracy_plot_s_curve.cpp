@@ -5,6 +5,7 @@
 #include "bench/accuracy_panel.h"
 #include "bench/accuracy_plots.h"
 #include "bench/accuracy_text.h"
+#include "lsv/output/number_text.h"
 
 namespace lsv::bench {
 namespace {
@@ -28,12 +29,12 @@ void draw_curve(Svg& svg, const Box& box, const SCurve& curve, double range_mpx)
   const ValueAxis axis(box, Scale::linear, -range_mpx, range_mpx);
   const std::string_view colour = colour_of(curve.method);
   svg.label({box.left, box.top - 8.0},
-            text("%s, speckle of %g px", std::string(curve.method).c_str(),
-                 kSpeckleSizes_px[curve.size]));
+            formatted("%s, speckle of %g px", std::string(curve.method).c_str(),
+                      kSpeckleSizes_px[curve.size]));
   axis.draw(svg, {-range_mpx, -0.5 * range_mpx, 0.0, 0.5 * range_mpx, range_mpx}, "bias, mpx");
   svg.line({box.left, axis.y(0.0)}, {box.right(), axis.y(0.0)}, kInk);
   for (const double shift_px : {0.0, 0.25, 0.5, 0.75, 1.0})
-    svg.label({box.left + shift_px * box.width, box.bottom() + 15.0}, text("%g", shift_px),
+    svg.label({box.left + shift_px * box.width, box.bottom() + 15.0}, formatted("%g", shift_px),
               Anchor::middle, 11.0);
   svg.label({box.left + 0.5 * box.width, box.bottom() + 30.0}, "shift along x, px", Anchor::middle,
             11.0);

@@ -11,6 +11,7 @@
 #include "bench/accuracy_tables.h"
 #include "bench/accuracy_text.h"
 #include "bench/frames.h"
+#include "lsv/output/number_text.h"
 
 namespace lsv::bench {
 namespace {
@@ -36,17 +37,18 @@ std::vector<std::string> missed_aims(const AccuracyResults& results) {
       const std::optional<double> aim_mpx = aim_rmse_mpx(results, entry.method, result);
       const double rmse_mpx = entry.errors.rmse_px() * 1e3;
       if (!aim_mpx || rmse_mpx <= *aim_mpx) continue;
-      out.push_back(text("%s, condition %s, speckle of %g px: RMSE %s mpx, Aim %s",
-                         std::string(entry.method).c_str(),
-                         std::string(result.condition->name).c_str(), kSpeckleSizes_px[result.size],
-                         three_digits(rmse_mpx).c_str(), three_digits(*aim_mpx).c_str()));
+      out.push_back(formatted("%s, condition %s, speckle of %g px: RMSE %s mpx, Aim %s",
+                              std::string(entry.method).c_str(),
+                              std::string(result.condition->name).c_str(),
+                              kSpeckleSizes_px[result.size], three_digits(rmse_mpx).c_str(),
+                              three_digits(*aim_mpx).c_str()));
     }
   }
   return out;
 }
 
 std::string head(const AccuracyResults& results) {
-  return text(
+  return formatted(
       "# Accuracy\n\n"
       "What the presets of lsv and the methods of OpenCV %s make of simulated frames whose shift "
       "is known.\nMeasured and written by\n\n"
@@ -63,7 +65,7 @@ std::string limits_section(const AccuracyResults& results) {
          "Must broken:\n\n" +
          bullets(broken_limits(results, Allowance::none), "None.") + "\nAim missed:\n\n" +
          bullets(missed_aims(results), "None.") + "\n" +
-         text(
+         formatted(
              "**Must** (`precise` unless said otherwise): the RMSE in the tables below; no outlier "
              "but in D70; %.0f +- %.0f %% of\nthe errors within 1 sigma and %.0f +- %.0f %% within "
              "1.96 sigma in every condition; distance after a long drive\nwithin %g %%; parked, "
@@ -99,7 +101,7 @@ std::string methods_section() {
 std::string cases_section(const AccuracyResults& results) {
   std::string out = "## RMSE\n\n![RMSE per condition and method](accuracy/rmse.svg)\n\n";
   for (int size = 0; size < kSpeckleSizes; ++size)
-    out += text("Speckle of %g px, RMSE per axis, mpx:\n\n", kSpeckleSizes_px[size]) +
+    out += formatted("Speckle of %g px, RMSE per axis, mpx:\n\n", kSpeckleSizes_px[size]) +
            rmse_table(results, size) + "\n";
   return out;
 }
@@ -111,7 +113,7 @@ std::string sigmas_section() {
 }
 
 std::string s_curve_section(const AccuracyResults& results) {
-  return text(
+  return formatted(
              "## Bias over the fraction of a pixel\n\n"
              "Condition B, moved along x by 0 to 1 px in steps of 0.05 px, %d pairs a point (the "
              "same ground at each). Bars:\nstandard error. Mind the scales.\n\n"
@@ -123,14 +125,14 @@ std::string s_curve_section(const AccuracyResults& results) {
 std::string drift_section(const AccuracyResults& results) {
   const int frames = results.drifts.empty() ? 0 : results.drifts.front().frames;
   const ParkedResult& parked = results.parked;
-  return text(
+  return formatted(
              "## Drift\n\n"
              "Distance after %d frames along x at constant speed, noise as in B, the same frames "
              "pushed through two odometers:\n`precise`, and `classic` with the peak fit "
              "gaussian3.\n\n![Drift](accuracy/drift.svg)\n\n",
              frames) +
          drift_table(results) +
-         text(
+         formatted(
              "\nParked for %d frames (speckle of 4 px, noise as in B) `precise` was never farther "
              "than %.5f px from the start;\n%d frames were reported as `moving`, %d were "
              "refused.\n\n",

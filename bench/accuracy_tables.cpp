@@ -6,6 +6,7 @@
 
 #include "bench/accuracy_limits.h"
 #include "bench/accuracy_text.h"
+#include "lsv/output/number_text.h"
 
 namespace lsv::bench {
 namespace {
@@ -27,14 +28,14 @@ std::string head(const Cells& cells) {
   return out;
 }
 
-std::string size_cell(int size) { return text("%g", kSpeckleSizes_px[size]); }
+std::string size_cell(int size) { return formatted("%g", kSpeckleSizes_px[size]); }
 std::string mpx_cell(double value_px) { return three_digits(value_px * 1e3); }
 
 std::string rmse_cell(const Errors& errors) {
   const double percent = errors.outlier_ratio() * 100.0;
-  if (errors.fails()) return text("fails (%.0f %% out)", percent);
+  if (errors.fails()) return formatted("fails (%.0f %% out)", percent);
   const std::string rmse = three_digits(errors.rmse_px() * 1e3);
-  return errors.outliers() == 0 ? rmse : rmse + text(" (%.1f %% out)", percent);
+  return errors.outliers() == 0 ? rmse : rmse + formatted(" (%.1f %% out)", percent);
 }
 
 std::string limit_cell(const std::optional<double>& limit_mpx, double rmse_mpx) {
@@ -43,7 +44,7 @@ std::string limit_cell(const std::optional<double>& limit_mpx, double rmse_mpx) 
 }
 
 std::string percent_cell(const Errors& errors, double share) {
-  return errors.has_sigma() ? text("%.1f", share * 100.0) : "-";
+  return errors.has_sigma() ? formatted("%.1f", share * 100.0) : "-";
 }
 
 std::string method_row(const AccuracyResults& results, const CaseResult& result,
@@ -66,8 +67,8 @@ std::string conditions_table() {
   std::string out = head({"condition", "what", "shifts"});
   for (const Condition& condition : conditions()) {
     const std::string shifts = condition.law == ShiftLaw::circle
-                                   ? text("%g px in any direction", condition.range_px)
-                                   : text("+-%g px per axis, uniform", condition.range_px);
+                                   ? formatted("%g px in any direction", condition.range_px)
+                                   : formatted("+-%g px per axis, uniform", condition.range_px);
     out += row({std::string(condition.name), std::string(condition.meaning), shifts});
   }
   return out;
@@ -115,11 +116,12 @@ std::string drift_table(const AccuracyResults& results) {
   std::string out = head({"speckle px", "px per frame", "distance px", "precise, error %",
                           "refused", "classic, error %", "refused"});
   for (const DriftResult& drift : results.drifts) {
-    out += row(
-        {text("%g", drift.speckle_px), text("%g", drift.speed_px_per_frame),
-         text("%g", drift.speed_px_per_frame * drift.frames),
-         text("%.5f", drift.precise_error_ratio * 100.0), std::to_string(drift.precise_refused),
-         text("%.5f", drift.classic_error_ratio * 100.0), std::to_string(drift.classic_refused)});
+    out += row({formatted("%g", drift.speckle_px), formatted("%g", drift.speed_px_per_frame),
+                formatted("%g", drift.speed_px_per_frame * drift.frames),
+                formatted("%.5f", drift.precise_error_ratio * 100.0),
+                std::to_string(drift.precise_refused),
+                formatted("%.5f", drift.classic_error_ratio * 100.0),
+                std::to_string(drift.classic_refused)});
   }
   return out;
 }

@@ -6,9 +6,6 @@
 
 namespace lsv::bench {
 
-/// printf into a string.
-std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
-
 /// Three significant digits without an exponent; "-" for NaN.
 std::string three_digits(double value);
 

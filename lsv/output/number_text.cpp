@@ -5,6 +5,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdarg>
+#include <cstdio>
 #include <string_view>
 
 #include "lsv/core/stamp.h"
@@ -56,6 +58,19 @@ void append_seconds(std::string& out, std::int64_t time_ns) {
   append_integer(digits, rest_ns < 0 ? -rest_ns : rest_ns);
   out.append(static_cast<std::size_t>(kNsDigits) - digits.size(), '0');
   out += digits;
+}
+
+std::string formatted(const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::va_list again;
+  va_copy(again, arguments);
+  const int length = std::vsnprintf(nullptr, 0, format, arguments);
+  va_end(arguments);
+  std::string out(static_cast<std::size_t>(std::max(length, 0)), '\0');
+  std::vsnprintf(out.data(), out.size() + 1, format, again);
+  va_end(again);
+  return out;
 }
 
 }  // namespace lsv

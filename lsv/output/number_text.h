@@ -19,4 +19,7 @@ void append_integer(std::string& out, std::int64_t value);
 /// Nanoseconds as seconds with nine decimals, exact over the whole int64 range.
 void append_seconds(std::string& out, std::int64_t time_ns);
 
+/// printf into a string; the decimal point is that of the locale, which lsv never sets.
+std::string formatted(const char* format, ...) __attribute__((format(printf, 1, 2)));
+
 }  // namespace lsv

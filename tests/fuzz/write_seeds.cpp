@@ -101,6 +101,7 @@ void write_texts(const fs::path& folder) {
   add("timestamps", "seconds", "time_s\n0\n0.1\n1.5e0\n");
   add("timestamps", "frames", "frame,time_ns\n0,100\n3,200\n");
   add("timestamps", "number", "1700000000.123456789");
+  add("csv_table", "track", "# unit: m\nframe,dx_px,status\n1,0.25,ok\n2,,dark\n");
   add("option_text", "raw", "640x480:mono12:1024");
   add("option_text", "roi", "0,0,256,256");
 }
@@ -114,7 +115,7 @@ int main(int argc, char** argv) {
   }
   const fs::path folder = argv[1];
   for (const char* target :
-       {"image_decode", "tiff_stack", "timestamps", "option_text", "calibration"})
+       {"image_decode", "tiff_stack", "timestamps", "option_text", "calibration", "csv_table"})
     fs::create_directories(folder / target);
   const fs::path scratch = lsv::test::fresh_folder(folder, "scratch");
   write_images(folder, scratch);

@@ -1,27 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/accuracy_svg.h"
+#include "lsv/output/svg.h"
 
-#include "bench/accuracy_text.h"
+#include "lsv/output/number_text.h"
 
-namespace lsv::bench {
+namespace lsv {
 namespace {
 
-std::string escaped(std::string_view words) {
-  std::string out;
-  for (const char c : words) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else
-      out += c;
-  }
-  return out;
-}
-
-std::string number(double value) { return text("%.1f", value); }
+std::string number(double value) { return formatted("%.1f", value); }
 
 std::string pair_of(Point p) { return number(p.x) + "," + number(p.y); }
 
@@ -46,8 +31,23 @@ const char* word(Anchor anchor) {
 
 }  // namespace
 
+std::string escaped(std::string_view words) {
+  std::string out;
+  for (const char c : words) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else
+      out += c;
+  }
+  return out;
+}
+
 Svg::Svg(int width, int height, std::string_view title) {
-  body_ = text(
+  body_ = formatted(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" viewBox=\"0 0 %d %d\" "
       "font-family=\"sans-serif\" role=\"img\">\n",
       width, height, width, height);
@@ -75,7 +75,7 @@ void Svg::rect(Point corner, double width, double height, std::string_view colou
   body_ += std::string("<rect") + quoted("x", number(corner.x)) + quoted("y", number(corner.y)) +
            quoted("width", number(width)) + quoted("height", number(height)) +
            quoted("fill", colour) +
-           (opacity < 1.0 ? quoted("fill-opacity", text("%.2f", opacity)) : "") + "/>\n";
+           (opacity < 1.0 ? quoted("fill-opacity", formatted("%.2f", opacity)) : "") + "/>\n";
 }
 
 void Svg::marker(Marker shape, Point at, double radius, std::string_view colour) {
@@ -111,4 +111,4 @@ void Svg::upright_label(Point at, std::string_view words, double size) {
            quoted("fill", kInk) + ">" + escaped(words) + "</text>\n";
 }
 
-}  // namespace lsv::bench
+}  // namespace lsv

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace lsv::bench {
+namespace lsv {
 
 inline constexpr std::string_view kInk = "#7b838d";      // text and axes
 inline constexpr std::string_view kFaint = "#7b838d55";  // grid
@@ -19,6 +19,9 @@ struct Point {
 
 enum class Anchor { start, middle, end };
 enum class Marker { circle, square, triangle };
+
+/// `words` as markup shows them.
+std::string escaped(std::string_view words);
 
 class Svg {
  public:
@@ -44,4 +47,4 @@ class Svg {
   std::string body_;
 };
 
-}  // namespace lsv::bench
+}  // namespace lsv
