@@ -240,10 +240,11 @@ class Reader {
 
   std::optional<Error> check_top(const toml::table& document) const {
     for (const auto& [key, node] : document) {
-      const bool known = key.str() == "schema" ||
-                         std::ranges::any_of(kAllSections, [&key](const Section& section) {
-                           return key.str() == section.name;
-                         });
+      const std::string_view word = key.str();
+      const bool known =
+          word == "schema" || std::ranges::any_of(kAllSections, [word](const Section& section) {
+            return word == section.name;
+          });
       if (!known) {
         return at(key.source(), "unknown key " + std::string(key.str()) +
                                     "; docs/formats.md lists the keys of a calibration");

@@ -92,19 +92,12 @@ double largest_step_px(const LagRange& lags) {
   return std::min(5.0, 0.5 * (std::min(lags.max_dx_px, lags.max_dy_px) - 1));
 }
 
-Result<void> write_text(const std::string& path, const std::string& text) {
-  Result<OutputFile> file = OutputFile::open(path);
-  if (!file) return file.error();
-  if (Result<void> written = file.value().write(text); !written) return written;
-  return file.value().commit();
-}
-
 Result<void> write_budget(const Budget& budget, const std::string& json_path) {
   if (json_path != "-") {
-    if (Result<void> written = write_text("-", budget_text(budget)); !written) return written;
+    if (Result<void> written = write_file("-", budget_text(budget)); !written) return written;
   }
   if (json_path.empty()) return {};
-  return write_text(json_path, budget_json(budget));
+  return write_file(json_path, budget_json(budget));
 }
 
 /// The exit code.

@@ -9,6 +9,7 @@ void add_calibrate_command(CLI::App& app, int& exit_code) {
       app.add_subcommand("calibrate", "Find the scale: from px of the pattern to metres");
   calibrate->require_subcommand(1);
   add_calibrate_geometry(*calibrate, exit_code);
+  add_calibrate_scale(*calibrate, exit_code);
 }
 
 }  // namespace lsv::cli

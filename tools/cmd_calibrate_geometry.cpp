@@ -141,20 +141,13 @@ Result<GeometryInput> geometry_input(const CLI::App& command, const GeometryOpti
   return in;
 }
 
-Result<void> write_text(const std::string& path, const std::string& text) {
-  Result<OutputFile> file = OutputFile::open(path);
-  if (!file) return file.error();
-  if (Result<void> written = file.value().write(text); !written) return written;
-  return file.value().commit();
-}
-
 Result<void> write_report(const GeometryReport& report, const std::string& json_path) {
   if (!json_path.empty()) {
-    if (Result<void> written = write_text(json_path, geometry_json(report)); !written)
+    if (Result<void> written = write_file(json_path, geometry_json(report)); !written)
       return written;
   }
   if (json_path == "-") return {};
-  return write_text("-", geometry_text(report));
+  return write_file("-", geometry_text(report));
 }
 
 int run(const CLI::App& command, const GeometryOptions& options) {

@@ -35,6 +35,8 @@ class CsvTable {
   Result<double> known_number(std::size_t row, std::size_t column) const;
 
   const std::string& name() const { return name_; }
+  /// Everything that was read.
+  std::string_view bytes() const { return text_; }
   /// For messages about a row.
   std::size_t line(std::size_t row) const { return lines_[row]; }
 

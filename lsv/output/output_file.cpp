@@ -204,4 +204,11 @@ Error OutputFile::failure(const char* what, int error_number) const {
   return {ErrorCode::output_failed, std::move(message)};
 }
 
+Result<void> write_file(const std::string& path, std::string_view text) {
+  Result<OutputFile> file = OutputFile::open(path);
+  if (!file) return file.error();
+  if (Result<void> written = file.value().write(text); !written) return written;
+  return file.value().commit();
+}
+
 }  // namespace lsv

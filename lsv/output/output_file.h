@@ -52,4 +52,7 @@ class OutputFile {
   std::string pending_;
 };
 
+/// A whole file in one call: open(), write(), commit().
+Result<void> write_file(const std::string& path, std::string_view text);
+
 }  // namespace lsv
