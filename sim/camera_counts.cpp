@@ -66,17 +66,26 @@ void to_counts(const CountsModel& model, std::int64_t frame, const std::vector<d
   const FrameFormat format = out.view().format;
   const double full_scale = full_scale_counts(format.bit_depth);
   PixelNormal noise(model.seed, Stream::camera_noise, frame);
-  const double* light = intensity.data();
+  const SensorPattern none;
+  const SensorPattern& pattern = model.pattern != nullptr ? *model.pattern : none;
+  std::size_t index = 0;
   for (int y = 0; y < format.height_px; ++y) {
     for (int x = 0; x < format.width_px; ++x) {
-      double signal_counts = model.mean_signal_counts * *light++;
+      const std::size_t pixel = index++;
+      const double light = pattern.light_caught(pixel, intensity[pixel]);
+      double signal_counts = model.mean_signal_counts * light;
       if (model.electrons_per_count > 0.0) {
         signal_counts =
             electrons_caught(model, signal_counts * model.electrons_per_count, x, y, frame) /
             model.electrons_per_count;
       }
       double counts = signal_counts + model.noise_mean_counts;
+      if (!pattern.offset_counts.empty()) counts += pattern.offset_counts[pixel];
       if (model.noise_sd_counts > 0.0) counts += model.noise_sd_counts * noise.at(x, y);
+      if (!pattern.state.empty()) {
+        if (pattern.state[pixel] == PixelState::hot) counts = full_scale;
+        if (pattern.state[pixel] == PixelState::dead) counts = 0.0;
+      }
       const double stored = std::clamp(std::floor(counts + 0.5), 0.0, full_scale);
       if (format.type == PixelType::mono8) {
         out.row8(y)[x] = static_cast<std::uint8_t>(stored);

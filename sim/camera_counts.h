@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a camera makes of light: shot noise, camera noise, rounding, clipping.
+// What a camera makes of light: fixed pattern, shot noise, camera noise, rounding, clipping.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "lsv/core/frame.h"
+#include "sim/sensor_pattern.h"
 
 namespace lsv::sim {
 
@@ -15,6 +16,7 @@ struct CountsModel {
   double noise_sd_counts = 0.0;
   double electrons_per_count = 0.0;  // 0 = no shot noise
   std::uint64_t seed = 0;
+  const SensorPattern* pattern = nullptr;  // of the size of the frame; null = none
 };
 
 /// Turns `intensity` (row-major, mean 1) into counts in `out`, which has its format already.

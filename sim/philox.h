@@ -19,7 +19,9 @@ enum class Stream : std::uint32_t {
   boiling = 1,
   camera_noise = 2,
   shot_noise = 3,
-  profile = 4
+  profile = 4,
+  sensor_pattern = 5,
+  flat_field = 6
 };
 
 using PhiloxWords = std::array<std::uint32_t, 4>;

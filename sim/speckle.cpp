@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <exception>
 
-#include "sim/camera_counts.h"
-
 namespace lsv::sim {
 namespace {
 
@@ -51,15 +49,6 @@ FieldGeometry grid_for(const SpeckleConfig& config, int weight_count) {
           scale_samples(config.speckle_px)};
 }
 
-CountsModel counts_model(const SpeckleConfig& config) {
-  return {.mean_signal_counts = mean_signal_counts(config),
-          .noise_mean_counts = config.noise_mean_counts,
-          .noise_sd_counts = config.noise_sd_counts,
-          .electrons_per_count =
-              config.full_well_electrons.value_or(0.0) / full_scale_counts(config.bit_depth),
-          .seed = config.seed};
-}
-
 Error third_party(const std::exception& error) {
   return {ErrorCode::invalid_argument,
           std::string("the frame cannot be simulated, try a smaller one: ") + error.what()};
@@ -91,6 +80,7 @@ Result<void> validate(const SpeckleConfig& c) {
     return out_of_range("noise_sd_counts", c.noise_sd_counts, "in [0, 65535]");
   if (c.full_well_electrons && !within(*c.full_well_electrons, 1.0, 1e9))
     return out_of_range("full_well_electrons", *c.full_well_electrons, "in [1, 1e9]");
+  if (Result<void> valid = validate(c.sensor, c.width_px, c.height_px); !valid) return valid;
   const FieldGeometry grid = grid_for(c, static_cast<int>(weights_for(c).size()));
   const std::int64_t patch_samples =
       std::int64_t{patch_side(grid.columns, grid.s)} * patch_side(grid.rows, grid.s);
@@ -115,6 +105,20 @@ FrameFormat frame_format(const SpeckleConfig& config) {
           .bit_depth = config.bit_depth};
 }
 
+CountsModel counts_model(const SpeckleConfig& config) {
+  return {.mean_signal_counts = mean_signal_counts(config),
+          .noise_mean_counts = config.noise_mean_counts,
+          .noise_sd_counts = config.noise_sd_counts,
+          .electrons_per_count =
+              config.full_well_electrons.value_or(0.0) / full_scale_counts(config.bit_depth),
+          .seed = config.seed};
+}
+
+std::int64_t frame_stamp_ns(const SpeckleConfig& config, std::int64_t frame) {
+  return std::llround(static_cast<double>(frame) * static_cast<double>(kNsPerS) /
+                      config.frame_rate_hz);
+}
+
 Result<SpeckleCamera> SpeckleCamera::create(const SpeckleConfig& config) {
   if (Result<void> valid = validate(config); !valid) return valid.error();
   try {
@@ -126,6 +130,8 @@ Result<SpeckleCamera> SpeckleCamera::create(const SpeckleConfig& config) {
 
 SpeckleCamera::SpeckleCamera(const SpeckleConfig& config)
     : config_(config),
+      pattern_(make_sensor_pattern(config.sensor, config.width_px, config.height_px,
+                                   config.speckle_px, config.sensor.seed.value_or(config.seed))),
       samples_per_px_(samples_per_px(config.speckle_px)),
       s_samples_(scale_samples(config.speckle_px)),
       weights_(weights_for(config)),
@@ -172,10 +178,11 @@ Result<void> SpeckleCamera::render(std::int64_t frame, const PatternMotion& moti
   } catch (const std::exception& error) {
     return third_party(error);
   }
-  to_counts(counts_model(config_), frame, intensity_, out);
+  CountsModel model = counts_model(config_);
+  model.pattern = &pattern_;
+  to_counts(model, frame, intensity_, out);
   out.index = frame;
-  out.stamp.ns = std::llround(static_cast<double>(frame) * static_cast<double>(kNsPerS) /
-                              config_.frame_rate_hz);
+  out.stamp.ns = frame_stamp_ns(config_, frame);
   return {};
 }
 

@@ -4,7 +4,8 @@
 // Physics, in order: fully developed speckle (a complex circular Gaussian field behind a circular
 // aperture, speckle_field.h; intensity = |field|^2, mean 1, contrast 1); exposure blur along the
 // straight path of the pattern during the exposure; mean over the light-sensitive square of each
-// pixel; shot noise; camera noise; rounding to integers; clipping to [0, full scale].
+// pixel; fixed pattern of the sensor (sensor_pattern.h); shot noise; camera noise; rounding to
+// integers; clipping to [0, full scale].
 // Approximations: the edge of the aperture is soft (speckle_optics.h); the field does not boil
 // within one exposure; translation only.
 //
@@ -23,7 +24,9 @@
 
 #include "lsv/core/frame.h"
 #include "lsv/core/result.h"
+#include "sim/camera_counts.h"
 #include "sim/motion_profile.h"
+#include "sim/sensor_pattern.h"
 #include "sim/speckle_field.h"
 #include "sim/speckle_optics.h"
 
@@ -48,6 +51,7 @@ struct SpeckleConfig {
   double noise_mean_counts = 3.0;               // dark level
   double noise_sd_counts = 0.5;                 // Gaussian, independent per pixel and frame
   std::optional<double> full_well_electrons{};  // signal at full scale; unset: no shot noise
+  SensorPatternConfig sensor{};                 // fixed pattern; off unless set
   std::uint64_t seed = 1;
 };
 
@@ -60,6 +64,12 @@ double mean_signal_counts(const SpeckleConfig& config);
 /// mono8 for 8 bits, mono16 above.
 FrameFormat frame_format(const SpeckleConfig& config);
 
+/// From light to counts with these settings, without the fixed pattern.
+CountsModel counts_model(const SpeckleConfig& config);
+
+/// Stamp of a frame, ns; 0 at frame 0.
+std::int64_t frame_stamp_ns(const SpeckleConfig& config, std::int64_t frame);
+
 class SpeckleCamera {
  public:
   static Result<SpeckleCamera> create(const SpeckleConfig& config);
@@ -69,11 +79,14 @@ class SpeckleCamera {
   /// from call to call; without, any order gives the same frames.
   Result<void> render(std::int64_t frame, const PatternMotion& motion, Frame& out);
 
-  /// The light alone: mean 1, width x height values, row-major; no noise, rounding or clipping.
+  /// The light alone: mean 1, width x height values, row-major; no fixed pattern, noise, rounding
+  /// or clipping.
   Result<void> render_intensity(std::int64_t frame, const PatternMotion& motion,
                                 std::vector<double>& out);
 
   const SpeckleConfig& config() const { return config_; }
+  /// The true maps of the sensor.
+  const SensorPattern& pattern() const { return pattern_; }
 
  private:
   explicit SpeckleCamera(const SpeckleConfig& config);
@@ -82,6 +95,7 @@ class SpeckleCamera {
   void integrate_pixels(std::vector<double>& out);
 
   SpeckleConfig config_;
+  SensorPattern pattern_;
   int samples_per_px_ = 1;
   double s_samples_ = 0.0;
   std::vector<double> weights_;  // of the pixel, per grid sample
