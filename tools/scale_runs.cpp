@@ -187,7 +187,7 @@ class Reader {
   }
 
   Result<double> sigma_m(std::size_t row, double travel_m) const {
-    const Result<double> given =
+    Result<double> given =
         sigma_ratio_ ? Result<double>(*sigma_ratio_ * travel_m) : table_.known_number(row, sigma_);
     if (!given) return given;
     if (!(given.value() > 0.0)) return at(row, "sigma_m must be above 0");
