@@ -8,21 +8,24 @@
 
 namespace lsv {
 
-Result<FrameToFrame> FrameToFrame::create(const TrackConfig& config, const FrameFormat& format) {
+Result<FrameToFrame> FrameToFrame::create(const TrackConfig& config, const FrameFormat& format,
+                                          FixedPattern fixed_pattern) {
   Result<std::unique_ptr<Correlator>> correlator = make_correlator(config.correlation, format);
   if (!correlator) return correlator.error();
-  return FrameToFrame(config, std::move(correlator).value());
+  return FrameToFrame(config, std::move(correlator).value(), std::move(fixed_pattern));
 }
 
-FrameToFrame::FrameToFrame(const TrackConfig& config, std::unique_ptr<Correlator> correlator)
+FrameToFrame::FrameToFrame(const TrackConfig& config, std::unique_ptr<Correlator> correlator,
+                           FixedPattern fixed_pattern)
     : config_(config),
+      fixed_pattern_(std::move(fixed_pattern)),
       correlator_(std::move(correlator)),
       plane_(correlator_->make_plane()),
       earlier_{.frame = correlator_->make_prepared_frame()},
       later_{.frame = correlator_->make_prepared_frame()} {}
 
 PatternStep FrameToFrame::step(const FrameView& frame) {
-  correlator_->prepare(frame, later_.frame);
+  correlator_->prepare(fixed_pattern_.corrected(frame), later_.frame);
   later_.fitness = judge_frame(frame.format, later_.frame.stats, config_.gate, config_.calibration);
   later_.stamp = frame.stamp;
   later_.index = frame.index;

@@ -10,6 +10,7 @@
 #include "lsv/core/config.h"
 #include "lsv/core/frame.h"
 #include "lsv/core/result.h"
+#include "lsv/fixed_pattern.h"
 #include "lsv/path.h"
 #include "lsv/pattern_step.h"
 
@@ -18,7 +19,8 @@ namespace lsv {
 /// Owns plans and memory, allocates at creation only; one object per thread.
 class FrameToFrame {
  public:
-  static Result<FrameToFrame> create(const TrackConfig& config, const FrameFormat& format);
+  static Result<FrameToFrame> create(const TrackConfig& config, const FrameFormat& format,
+                                     FixedPattern fixed_pattern);
 
   /// `frame` must have the format given at creation and a later stamp than the one before.
   PatternStep step(const FrameView& frame);
@@ -35,10 +37,12 @@ class FrameToFrame {
     std::int64_t index = -1;
   };
 
-  FrameToFrame(const TrackConfig& config, std::unique_ptr<Correlator> correlator);
+  FrameToFrame(const TrackConfig& config, std::unique_ptr<Correlator> correlator,
+               FixedPattern fixed_pattern);
   Shift measure();
 
   TrackConfig config_;
+  FixedPattern fixed_pattern_;
   std::unique_ptr<Correlator> correlator_;
   CorrelationPlane plane_;
   Slot earlier_;

@@ -23,14 +23,21 @@ constexpr double kRestRadius_px = 0.01;
 constexpr double kRestSigmas = 5.0;
 constexpr int kRestFrames = 50;
 
+// Looks at the fixed pattern: over new speckle, and not so often that they take time.
+constexpr double kLookDistance_px = 4.0;
+constexpr std::size_t kEagerLooks = 64;
+constexpr int kLookFrames = 16;
+
 // Beyond, a keyframe is given up whatever the errors say.
 constexpr double kMaxKeyframeShift = 0.5;  // of the side of the frame
 constexpr double kMinKeyframeZncc = 0.5;
 
 }  // namespace
 
-KeyframeOdometry::KeyframeOdometry(ShiftMeter meter, std::optional<DeformationMeter> deformation)
+KeyframeOdometry::KeyframeOdometry(ShiftMeter meter, FixedPattern fixed_pattern,
+                                   std::optional<DeformationMeter> deformation)
     : meter_(std::move(meter)),
+      fixed_pattern_(std::move(fixed_pattern)),
       deformation_(std::move(deformation)),
       reference_(meter_.make_reference()) {
   for (Slot& slot : slots_) slot.frame = meter_.make_frame();
@@ -45,7 +52,8 @@ KeyframeOdometry::SlotIndex KeyframeOdometry::free_slot() const {
 
 PatternStep KeyframeOdometry::step(const FrameView& frame) {
   const SlotIndex now = free_slot();
-  slots_[now].frame.load(frame);
+  raw_ = frame;
+  slots_[now].frame.load(fixed_pattern_.corrected(frame));
   slots_[now].stamp = frame.stamp;
   slots_[now].index = frame.index;
   shown_plane_.reset();
@@ -194,8 +202,28 @@ PatternStep KeyframeOdometry::accept(SlotIndex now, const TrackedShift& tracked,
   last_place_ = place;
   doubtful_.reset();
   out.motion = motion_at(place);
-  if (wants_keyframe(tracked, dx_px, dy_px)) set_keyframe(now, place);
+  if (learn_fixed_pattern(now, place) || wants_keyframe(tracked, dx_px, dy_px))
+    set_keyframe(now, place);
+  out.static_share = fixed_pattern_.static_share();
   return out;
+}
+
+/// True when the frame had to be corrected anew, and so must be the keyframe of those to come.
+bool KeyframeOdometry::learn_fixed_pattern(SlotIndex now, const Place& place) {
+  if (!fixed_pattern_.learns()) return false;
+  if (++frames_since_look_ < (looks_ < kEagerLooks ? 1 : kLookFrames)) return false;
+  // Ground that was seen before, a few px off, would count as new without telling anything new.
+  const double apart_px = std::max(kLookDistance_px, meter_.speckle_px(reference_));
+  const auto seen = std::min<std::size_t>(looks_, look_places_.size());
+  for (std::size_t i = 0; i < seen; ++i) {
+    const Point& other = look_places_[i];
+    if (std::hypot(place.x_px - other.x_px, place.y_px - other.y_px) < apart_px) return false;
+  }
+  look_places_[looks_++ % look_places_.size()] = {place.x_px, place.y_px};
+  frames_since_look_ = 0;
+  if (!fixed_pattern_.look(raw_)) return false;
+  slots_[now].frame.load(fixed_pattern_.corrected(raw_));
+  return true;
 }
 
 /// Rest is a matter of time as well as of distance: whoever creeps leaves the place in the end.

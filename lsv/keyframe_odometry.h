@@ -21,6 +21,7 @@
 #include "lsv/core/frame.h"
 #include "lsv/core/step_report.h"
 #include "lsv/deformation_meter.h"
+#include "lsv/fixed_pattern.h"
 #include "lsv/pattern_step.h"
 #include "lsv/shift_meter.h"
 
@@ -30,8 +31,8 @@ class KeyframeOdometry {
  public:
   /// With a deformation meter, rotation and expansion since the last accepted frame are measured
   /// too.
-  explicit KeyframeOdometry(ShiftMeter meter,
-                            std::optional<DeformationMeter> deformation = std::nullopt);
+  KeyframeOdometry(ShiftMeter meter, FixedPattern fixed_pattern,
+                   std::optional<DeformationMeter> deformation);
 
   /// `frame` must have the format of the meter and a later stamp than the one before.
   PatternStep step(const FrameView& frame);
@@ -46,6 +47,9 @@ class KeyframeOdometry {
     TrackFrame frame;
     Stamp stamp{};
     std::int64_t index = 0;
+  };
+  struct Point {
+    double x_px = 0.0, y_px = 0.0;
   };
   /// A place on the path, with what is needed to subtract two of them.
   struct Place {
@@ -67,9 +71,11 @@ class KeyframeOdometry {
   void set_keyframe(SlotIndex slot, const Place& place);
   bool wants_keyframe(const TrackedShift& tracked, double dx_px, double dy_px) const;
   MotionState motion_at(const Place& place);
+  bool learn_fixed_pattern(SlotIndex now, const Place& place);
   SlotIndex free_slot() const;
 
   ShiftMeter meter_;
+  FixedPattern fixed_pattern_;
   std::optional<DeformationMeter> deformation_;
   std::array<Slot, 5> slots_;
   TrackReference reference_;
@@ -81,7 +87,11 @@ class KeyframeOdometry {
 
   Place key_place_;
   Place last_place_;
-  Place rest_place_;  // where the pattern was when it came to rest
+  Place rest_place_;                       // where the pattern was when it came to rest
+  FrameView raw_;                          // the frame being measured, as it came
+  std::array<Point, 1024> look_places_{};  // where the fixed pattern was looked at, in turn
+  int frames_since_look_ = 0;
+  std::size_t looks_ = 0;
   int steps_since_keyframe_ = 0;
   int frames_near_rest_place_ = 0;
   MotionState motion_ = MotionState::unknown;

@@ -61,8 +61,17 @@ Result<Odometer> Odometer::create(const TrackConfig& config, const FrameFormat& 
 
 Result<Odometer::Follower> Odometer::make_follower(const TrackConfig& config,
                                                    const FrameFormat& format) {
+  const SensorMaps* const maps = config.sensor_maps.get();
+  if (maps != nullptr &&
+      (maps->width_px != format.width_px || maps->height_px != format.height_px)) {
+    return Error{ErrorCode::invalid_argument,
+                 "the sensor maps are for " + std::to_string(maps->width_px) + " x " +
+                     std::to_string(maps->height_px) + " px, the frames are " + size_text(format)};
+  }
+  const bool learns = config.learn_fixed_pattern && config.preset != Preset::classic;
+  FixedPattern fixed_pattern(format, config.calibration.noise_mean_counts, maps, learns);
   if (config.preset == Preset::classic) {
-    Result<FrameToFrame> classic = FrameToFrame::create(config, format);
+    Result<FrameToFrame> classic = FrameToFrame::create(config, format, std::move(fixed_pattern));
     if (!classic) return classic.error();
     return Follower(std::move(classic).value());
   }
@@ -75,7 +84,8 @@ Result<Odometer::Follower> Odometer::make_follower(const TrackConfig& config,
     if (!made) return made.error();
     deformation.emplace(std::move(made).value());
   }
-  return Follower(KeyframeOdometry(std::move(meter).value(), std::move(deformation)));
+  return Follower(
+      KeyframeOdometry(std::move(meter).value(), std::move(fixed_pattern), std::move(deformation)));
 }
 
 Odometer::Odometer(const TrackConfig& config, const FrameFormat& format, Follower follower)
@@ -95,6 +105,7 @@ Result<StepReport> Odometer::push(const FrameView& frame) {
   report.segment = step.segment;
   report.motion = step.motion;
   report.deformation = step.deformation;
+  report.static_share = step.static_share;
   report.position = position_of(step, scale_);
   if (is_first) {
     first_stamp_ = frame.stamp;
@@ -114,7 +125,7 @@ Result<void> Odometer::check(const FrameView& frame) const {
                      std::to_string(frame.format.bit_depth) + " bit, unlike the frames before it"};
   }
   if (frame.format.type == PixelType::mono16) {
-    if (const Result<void> usable = check_words(frame); !usable) return usable;
+    if (Result<void> usable = check_words(frame); !usable) return usable;
   }
   if (!last_stamp_) return {};
   // No two stamps of one run may be further apart than their difference can hold.

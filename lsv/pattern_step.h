@@ -19,6 +19,7 @@ struct PatternStep {
   std::int64_t segment = 0;
   MotionState motion = MotionState::unknown;
   Deformation deformation{};
+  double static_share = kUnknown;  // see StepReport
   // The sum of the accepted shifts, and its covariance.
   double x_px = 0.0;
   double y_px = 0.0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lsv/shift_meter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <new>
 #include <string>
@@ -52,6 +53,16 @@ ShiftMeter::ShiftMeter(const TrackConfig& config, const FrameFormat& format,
 
 TrackReference ShiftMeter::make_reference() const {
   return preset_ == Preset::precise ? TrackReference(format_) : TrackReference();
+}
+
+double ShiftMeter::speckle_px(const TrackReference& reference) const {
+  constexpr double kUsually_px = 8.0;
+  if (preset_ != Preset::precise) return kUsually_px;
+  // Kernels come in steps, each for speckle up to the next; the last is for whatever is larger.
+  constexpr double kStep = 1.2;
+  constexpr double kLargest_px = 9.0;
+  const double size_px = std::max(reference.kernel_x().fwhm_px(), reference.kernel_y().fwhm_px());
+  return size_px > kLargest_px ? 2.0 * size_px : kStep * size_px;
 }
 
 ShiftStatus ShiftMeter::fitness(const TrackFrame& frame) const {

@@ -41,6 +41,9 @@ class ShiftMeter {
   TrackedShift follow(const TrackFrame& earlier, const TrackReference& reference,
                       const TrackFrame& later, double guess_dx_px, double guess_dy_px);
 
+  /// Full width at half maximum of the speckle, or somewhat more, as far as the preset knows it.
+  double speckle_px(const TrackReference& reference) const;
+
   const LagRange& lags() const { return acquisition_.lags(); }
   /// Of the pair searched last.
   const CorrelationPlane& plane() const { return acquisition_.plane(); }

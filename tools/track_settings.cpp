@@ -115,6 +115,10 @@ void add_track_settings(CLI::App& command, Settings& settings, TrackSettings& ta
   settings.add_switch(command, "deformation", "--deformation,!--no-deformation",
                       "Measure rotation and expansion too (JSON Lines) [false]",
                       target.config.measure_deformation);
+  settings.add_switch(command, "learn_fixed_pattern",
+                      "--learn-fixed-pattern,!--no-learn-fixed-pattern",
+                      "Learn dirt and uneven light while driving and take them out [true]",
+                      target.config.learn_fixed_pattern);
   add_correlation(command, settings, target.config.correlation);
   add_gate(command, settings, target.config.gate);
   settings.add(command, "max_rejected_share", "--max-rejected",

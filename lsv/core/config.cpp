@@ -65,7 +65,8 @@ std::string_view word(Engine engine) { return word_in(kEngines, engine); }
 std::string_view word(PeakFit fit) { return word_in(kPeakFits, fit); }
 
 Result<void> validate(const TrackConfig& config) {
-  const auto& [preset, measure_deformation, correlation, gate, calibration] = config;
+  const auto& [preset, measure_deformation, learn_fixed_pattern, correlation, gate, calibration,
+               sensor_maps] = config;
   if (measure_deformation && preset == Preset::classic)
     return Error{ErrorCode::invalid_argument,
                  "deformation is not measured by the preset classic: use precise or fast"};

@@ -3,12 +3,14 @@
 // and nowhere else.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "lsv/core/calibration.h"
 #include "lsv/core/result.h"
+#include "lsv/core/sensor_maps.h"
 #include "lsv/core/shift.h"
 
 namespace lsv {
@@ -69,9 +71,14 @@ struct TrackConfig {
   Preset preset = Preset::precise;
   /// Rotation and expansion from frame to frame; not with `classic`. Frames of 64 px and more.
   bool measure_deformation = false;
+  /// Whether dirt on the optics and uneven light are learned while driving and taken out; never
+  /// with `classic`.
+  bool learn_fixed_pattern = true;
   CorrelationConfig correlation{};
   GateConfig gate{};
   Calibration calibration{};
+  /// Fixed pattern of the sensor; null: not known. Of the size of the frames.
+  std::shared_ptr<const SensorMaps> sensor_maps{};
 };
 
 /// The first setting that is out of its range, named with its value.

@@ -26,6 +26,8 @@ enum class MotionState {
   moving,
 };
 
+inline constexpr double kDirtyShare = 0.2;
+
 std::string_view word(Search search);
 std::string_view word(MotionState motion);
 
@@ -47,6 +49,9 @@ struct StepReport {
   MotionState motion = MotionState::unknown;
   /// Over dt_ns; measured on request (TrackConfig::measure_deformation) with an accepted shift.
   Deformation deformation{};
+  /// Share of the image in which what does not move with the ground (dirt, uneven light) outweighs
+  /// what does; NaN until enough ground was seen. Above kDirtyShare the optics want cleaning.
+  double static_share = kUnknown;
 };
 
 }  // namespace lsv

@@ -52,6 +52,7 @@ ordered_json row_of(const StepReport& report) {
   row["sigma_rotation_rad"] = report.deformation.sigma_rotation_rad;
   row["expansion_ratio"] = report.deformation.expansion_ratio;
   row["sigma_expansion_ratio"] = report.deformation.sigma_expansion_ratio;
+  row["static_share"] = report.static_share;
   return row;
 }
 

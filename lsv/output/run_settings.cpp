@@ -30,7 +30,8 @@ std::int64_t whole(int value) { return value; }
 }  // namespace
 
 std::vector<Setting> run_settings(const RunInfo& info) {
-  const auto& [preset, measure_deformation, correlation, gate, calibration] = info.config;
+  const auto& [preset, measure_deformation, learn_fixed_pattern, correlation, gate, calibration,
+               sensor_maps] = info.config;
   return {
       {"lsv_version", info.version},
       {"source", info.source_description},
@@ -41,6 +42,8 @@ std::vector<Setting> run_settings(const RunInfo& info) {
       {"index_step", info.index_step},
       {"preset", std::string(word(preset))},
       {"deformation", measure_deformation},
+      {"learn_fixed_pattern", learn_fixed_pattern},
+      {"sensor_maps", sensor_maps != nullptr},
       {"engine", std::string(word(correlation.engine))},
       {"peak_fit", std::string(word(correlation.peak_fit))},
       {"max_shift_x_px", whole(info.max_shift.max_dx_px)},

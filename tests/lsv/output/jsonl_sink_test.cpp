@@ -40,7 +40,7 @@ TEST(JsonlSink, AnAcceptedFrame) {
       "sigma_vx_m_s":0.001,"sigma_vy_m_s":0.002,"x_m":0.001,"y_m":-0.002,
       "sigma_x_m":1e-5,"sigma_y_m":2e-5,"search":"predicted","keyframe":0,"segment":2,
       "motion":"moving","rotation_rad":null,"sigma_rotation_rad":null,"expansion_ratio":null,
-      "sigma_expansion_ratio":null})"));
+      "sigma_expansion_ratio":null,"static_share":null})"));
 }
 
 TEST(JsonlSink, ARefusedFrameKeepsItsQualityAndHoldsItsPosition) {
