@@ -28,7 +28,7 @@ Shift Acquisition::measure(const TrackFrame& earlier, const TrackFrame& later) {
   correlator_->prepare(earlier.view(), earlier_);
   correlator_->prepare(later.view(), later_);
   const Shift shift = measure_shift(*correlator_, fit_, model_, earlier_, later_, plane_);
-  return with_status(shift, judge_shift(shift, gate_));
+  return with_status(shift, judge_search(shift, gate_));
 }
 
 }  // namespace lsv

@@ -9,7 +9,11 @@
 namespace lsv {
 namespace {
 
-constexpr int kFirstRenewal = 32;
+// Eight looks tell which pixels do not change at all, of which chance makes one in a million. What
+// is in between, and how much of the pattern it lets through, takes more of them.
+constexpr int kFirstRenewal = 8;
+constexpr float kStill = 0.04F;  // spread / that of a clean pixel
+constexpr int kLooksThatTellShare = 32;
 constexpr int kMostLooks = 4096;  // then half of the past is forgotten
 // Chance makes one pixel in a million stand out by as much.
 constexpr double kSignificantSigmas = 5.0;
@@ -17,13 +21,26 @@ constexpr double kSignificantSigmas = 5.0;
 constexpr double kSpreadError = 1.4142135623730951;
 // Clean pixels are found even where two thirds of the sensor are dirty.
 constexpr double kCleanQuantile = 0.7;
+// Speckle that moves on changes every pixel by about its mean; less of a change is no other ground.
+constexpr float kLeastContrast = 0.2F;
+// Beyond, it is more likely that the ground has not moved than that the optics are that dirty.
+constexpr double kMostOutweighed = 0.45;
 // Around a pixel that stands out; edges are only half dirty.
 constexpr int kReach_px = 2;
-// Below, too little light comes through to be worth raising.
+// Below, too little of the pattern comes through to be worth raising: such pixels show the mean of
+// the clean ones.
 constexpr float kLeastShare = 0.15F;
 // Fixed outweighs moving: spread below this part of a clean one, or light of its own above this
 // part.
 constexpr float kOutweighed = 0.5F;
+
+/// What the mean of n exponentially distributed intensities of mean and spread 1 deviates from 1 by
+/// chance, at kSignificantSigmas (E. B. Wilson and M. M. Hilferty, PNAS 17 (1931) 684).
+float chance_deviation(int n, double sigmas) {
+  const double ninth = 1.0 / (9.0 * n);
+  return static_cast<float>(std::pow(std::max(0.0, 1.0 - ninth + sigmas * std::sqrt(ninth)), 3.0) -
+                            1.0);
+}
 
 }  // namespace
 
@@ -104,7 +121,8 @@ void FixedPattern::correct(const FrameView& raw) {
     for (int x = 0; x < width; ++x) {
       const float count = static_cast<float>(from[x]);
       const float value = std::min(std::max(factor[x] * count - less[x], 0.0F), highest);
-      const float to_round_down = kHalf + (count < full_scale ? value : full_scale);
+      const bool is_clipped = count == full_scale && factor[x] != 0.0F;
+      const float to_round_down = kHalf + (is_clipped ? full_scale : value);
       to[x] = static_cast<Pixel>(static_cast<int>(to_round_down));
     }
   }
@@ -125,8 +143,8 @@ bool FixedPattern::look(const FrameView& raw) {
   else
     accumulate<std::uint16_t>(raw);
   if (++looks_ < next_renewal_) return false;
-  const bool changed = renew();
   next_renewal_ *= 2;
+  const bool changed = renew();
   if (looks_ < kMostLooks) return changed;
   looks_ /= 2;
   next_renewal_ = kMostLooks;
@@ -153,70 +171,110 @@ void FixedPattern::accumulate(const FrameView& raw) {
 
 /// Compares every pixel with the clean ones; true when factor_ or less_ changed.
 bool FixedPattern::renew() {
+  measure_pixels();
+  const Clean clean{.mean_counts = clean_level(mean_), .spread_counts = clean_level(spread_)};
+  if (!(clean.mean_counts > 0.0F) || !(clean.spread_counts > kLeastContrast * clean.mean_counts)) {
+    forget();
+    return false;
+  }
+  mark_what_stands_out(clean);
+  const auto pixels = static_cast<double>(mean_.size());
+  static_share_ = static_cast<double>(count_outweighed(clean)) / pixels;
+  if (static_share_ > kMostOutweighed) {
+    forget();
+    return false;
+  }
+  return apply(clean);
+}
+
+void FixedPattern::measure_pixels() {
   const auto n = static_cast<float>(looks_);
-  const std::size_t pixels = sum_.size();
-  for (std::size_t i = 0; i < pixels; ++i) {
+  for (std::size_t i = 0; i < sum_.size(); ++i) {
     const float mean = sum_[i] / n;
     const float variance = std::max(sum_squares_[i] / n - mean * mean, 0.0F);
     mean_[i] = map_factor_[i] * mean - map_less_[i] - dark_counts_;
     spread_[i] = map_factor_[i] * std::sqrt(variance);
   }
-  const auto quantile = [&](const std::vector<float>& values) {
-    std::copy(values.begin(), values.end(), sorted_.begin());
-    const auto at =
-        sorted_.begin() + static_cast<std::ptrdiff_t>(kCleanQuantile * static_cast<double>(pixels));
-    std::nth_element(sorted_.begin(), at, sorted_.end());
-    return *at;
-  };
-  const float clean_mean = quantile(mean_);
-  const float clean_spread = quantile(spread_);
-  if (!(clean_spread > 0.0F) || !(clean_mean > 0.0F)) return false;
+}
 
-  const double root_n = std::sqrt(static_cast<double>(looks_));
-  const auto most_mean = static_cast<float>(kSignificantSigmas / root_n) * clean_spread;
-  const auto most_spread = static_cast<float>(std::exp(kSignificantSigmas * kSpreadError / root_n));
+float FixedPattern::clean_level(const std::vector<float>& values) {
+  std::copy(values.begin(), values.end(), sorted_.begin());
+  const auto at = sorted_.begin() +
+                  static_cast<std::ptrdiff_t>(kCleanQuantile * static_cast<double>(values.size()));
+  std::nth_element(sorted_.begin(), at, sorted_.end());
+  return *at;
+}
+
+void FixedPattern::mark_what_stands_out(const Clean& clean) {
+  const bool tells_share = looks_ >= kLooksThatTellShare;
+  const float highest = clean.spread_counts * chance_deviation(looks_, kSignificantSigmas);
+  const float lowest = clean.spread_counts * chance_deviation(looks_, -kSignificantSigmas);
+  const auto most_spread = static_cast<float>(
+      std::exp(kSignificantSigmas * kSpreadError / std::sqrt(static_cast<double>(looks_))));
   std::fill(stands_out_.begin(), stands_out_.end(), std::uint8_t{0});
   const int width = format_.width_px;
   const int height = format_.height_px;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const auto i = static_cast<std::size_t>(y * width + x);
-      const float ratio = spread_[i] / clean_spread;
-      const bool stands_out = std::abs(mean_[i] - clean_mean) > most_mean || ratio > most_spread ||
-                              ratio * most_spread < 1.0F;
-      if (!stands_out) continue;
+      const float apart = mean_[i] - clean.mean_counts;
+      const float ratio = spread_[i] / clean.spread_counts;
+      const bool is_clean = tells_share ? apart < highest && apart > lowest &&
+                                              ratio < most_spread && ratio * most_spread > 1.0F
+                                        : ratio > kStill;
+      if (is_clean) continue;
+      const int left = std::max(0, x - kReach_px);
+      const int right = std::min(width - 1, x + kReach_px);
       for (int v = std::max(0, y - kReach_px); v <= std::min(height - 1, y + kReach_px); ++v)
-        std::fill_n(stands_out_.begin() + v * width + std::max(0, x - kReach_px),
-                    std::min(width - 1, x + kReach_px) - std::max(0, x - kReach_px) + 1,
-                    std::uint8_t{1});
+        std::fill_n(stands_out_.begin() + v * width + left, right - left + 1, std::uint8_t{1});
     }
   }
+}
 
-  std::size_t outweighed = 0;
+std::size_t FixedPattern::count_outweighed(const Clean& clean) const {
+  std::size_t out = 0;
+  for (std::size_t i = 0; i < mean_.size(); ++i) {
+    const float share = spread_[i] / clean.spread_counts;
+    const float own_counts = mean_[i] - clean.mean_counts * share;
+    if (stands_out_[i] != 0 &&
+        (share < kOutweighed || std::abs(own_counts) > kOutweighed * clean.mean_counts))
+      ++out;
+  }
+  return out;
+}
+
+bool FixedPattern::apply(const Clean& clean) {
   bool changed = false;
-  for (std::size_t i = 0; i < pixels; ++i) {
+  for (std::size_t i = 0; i < mean_.size(); ++i) {
     const float before_factor = factor_[i];
     const float before_less = less_[i];
     factor_[i] = map_factor_[i];
     less_[i] = map_less_[i];
-    if (stands_out_[i] != 0) {
-      const float share = std::max(spread_[i] / clean_spread, kLeastShare);
-      const float own_counts = mean_[i] - clean_mean * share;
-      learn_pixel(i, own_counts, share);
-      if (share < kOutweighed || std::abs(own_counts) > kOutweighed * clean_mean) ++outweighed;
-    }
+    if (stands_out_[i] != 0) correct_pixel(i, clean);
     changed = changed || factor_[i] != before_factor || less_[i] != before_less;
   }
-  static_share_ = static_cast<double>(outweighed) / static_cast<double>(pixels);
   corrects_ = corrects_ || changed;
   return changed;
 }
 
 /// raw -> (calibrated count - own light) / share, on the same dark level.
-void FixedPattern::learn_pixel(std::size_t i, float own_counts, float share) {
-  const float raise = 1.0F / share;
-  factor_[i] = map_factor_[i] * raise;
-  less_[i] = (map_less_[i] + dark_counts_ + own_counts) * raise - dark_counts_;
+void FixedPattern::correct_pixel(std::size_t i, const Clean& clean) {
+  const float share = spread_[i] / clean.spread_counts;
+  if (share < kLeastShare || looks_ < kLooksThatTellShare) {
+    factor_[i] = 0.0F;
+    less_[i] = -(clean.mean_counts + dark_counts_);
+    return;
+  }
+  const float own_counts = mean_[i] - clean.mean_counts * share;
+  factor_[i] = map_factor_[i] / share;
+  less_[i] = (map_less_[i] + dark_counts_ + own_counts) / share - dark_counts_;
+}
+
+void FixedPattern::forget() {
+  looks_ = 0;
+  next_renewal_ = kFirstRenewal;
+  std::fill(sum_.begin(), sum_.end(), 0.0F);
+  std::fill(sum_squares_.begin(), sum_squares_.end(), 0.0F);
 }
 
 }  // namespace lsv

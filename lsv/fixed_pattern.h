@@ -6,7 +6,8 @@
 // Learning: over many places of the ground, each pixel of a clean and evenly lit sensor has the
 // same mean and the same spread. A pixel whose mean or spread differs by more than chance has light
 // of its own, o, and lets a part g of the pattern through; the pixel is then read as (count - o) /
-// g. The rest is left alone to the bit.
+// g, or, where g is small or not known yet, as the mean of the clean ones. The rest is left alone
+// to the bit. Where most of the image seems static the ground itself may be: nothing is corrected.
 //
 // Owns its memory, allocates at construction only; one object per thread.
 #pragma once
@@ -27,7 +28,8 @@ class FixedPattern {
   FixedPattern(const FrameFormat& format, double dark_counts, const SensorMaps* maps, bool learn);
 
   /// `raw` without the fixed pattern, as far as it is known: `raw` itself where nothing is.
-  /// Saturated pixels stay saturated, others do not become so. Valid until the next call.
+  /// Saturated pixels stay saturated unless they always are; others do not become so. Valid until
+  /// the next call.
   FrameView corrected(const FrameView& raw);
 
   bool learns() const { return !sum_.empty(); }
@@ -50,8 +52,19 @@ class FixedPattern {
   template <typename Pixel>
   void accumulate(const FrameView& raw);
   void find_defects(const SensorMaps& maps);
+  /// Of a clean and evenly lit pixel, over the looks.
+  struct Clean {
+    float mean_counts;
+    float spread_counts;
+  };
   bool renew();
-  void learn_pixel(std::size_t i, float own_counts, float share);
+  void measure_pixels();
+  float clean_level(const std::vector<float>& values);
+  void mark_what_stands_out(const Clean& clean);
+  std::size_t count_outweighed(const Clean& clean) const;
+  bool apply(const Clean& clean);
+  void correct_pixel(std::size_t i, const Clean& clean);
+  void forget();
 
   FrameFormat format_;
   float dark_counts_;

@@ -58,7 +58,7 @@ Shift FrameToFrame::measure() {
                          .engine = config_.correlation.engine};
   const Shift shift = measure_shift(*correlator_, config_.correlation.peak_fit, model,
                                     earlier_.frame, later_.frame, plane_);
-  return with_status(shift, judge_shift(shift, config_.gate));
+  return with_status(shift, judge_search(shift, config_.gate));
 }
 
 }  // namespace lsv

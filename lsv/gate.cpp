@@ -2,8 +2,24 @@
 #include "lsv/gate.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lsv {
+namespace {
+
+// A frame at rest matches itself up to its noise, and has no other peak that chance does not make.
+constexpr double kRest_px = 1.5;
+constexpr double kRestZncc = 0.95;
+constexpr double kSecondPeakSigmas = 8.0;
+
+/// Two patterns, of which the one that stays is the stronger.
+bool is_held_by_static_pattern(const Shift& shift) {
+  const double second_peak_sigmas = shift.quality.zncc_sigmas / shift.quality.peak_ratio;
+  return std::max(std::abs(shift.dx_px), std::abs(shift.dy_px)) < kRest_px &&
+         shift.quality.zncc < kRestZncc && second_peak_sigmas > kSecondPeakSigmas;
+}
+
+}  // namespace
 
 ShiftStatus judge_frame(const FrameFormat& format, const FrameStats& stats, const GateConfig& gate,
                         const Calibration& camera) {
@@ -29,6 +45,13 @@ ShiftStatus judge_shift(const Shift& shift, const GateConfig& gate) {
   if (!(shift.quality.peak_ratio >= gate.min_peak_ratio)) return ShiftStatus::ambiguous;
   if (!(shift.quality.q >= gate.min_q)) return ShiftStatus::below_q_gate;
   return ShiftStatus::ok;
+}
+
+ShiftStatus judge_search(const Shift& shift, const GateConfig& gate) {
+  const ShiftStatus status = judge_shift(shift, gate);
+  if (status == ShiftStatus::ok && is_held_by_static_pattern(shift))
+    return ShiftStatus::static_pattern;
+  return status;
 }
 
 Shift with_status(const Shift& shift, ShiftStatus status) {

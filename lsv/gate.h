@@ -20,6 +20,10 @@ bool refuses_repeats(const GateConfig& gate, const Calibration& camera);
 /// The status that `shift` deserves; its own status if that is already a refusal.
 ShiftStatus judge_shift(const Shift& shift, const GateConfig& gate);
 
+/// The same for a shift found by a full search, which also tells whether something that stays on
+/// the sensor outweighs the ground.
+ShiftStatus judge_search(const Shift& shift, const GateConfig& gate);
+
 /// `shift` with `status`; the numbers become NaN and the quality stays unless it is ok.
 Shift with_status(const Shift& shift, ShiftStatus status);
 

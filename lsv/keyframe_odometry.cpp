@@ -23,10 +23,16 @@ constexpr double kRestRadius_px = 0.01;
 constexpr double kRestSigmas = 5.0;
 constexpr int kRestFrames = 50;
 
-// Looks at the fixed pattern: over new speckle, and not so often that they take time.
-constexpr double kLookDistance_px = 4.0;
-constexpr std::size_t kEagerLooks = 64;
-constexpr int kLookFrames = 16;
+// Places of the ground that share no speckle are further apart than a speckle is wide, and than
+// this.
+constexpr double kApart_px = 4.0;
+// From this share of change on, the motion does not explain the frame.
+constexpr double kUnexplained = 0.02;
+// Once the optics were looked at that often they are known, and what stands still is at rest.
+constexpr std::size_t kLooksThatTell = 32;
+constexpr double kStandstill_px = 1.5;
+// That many frames without a match are no passing disturbance.
+constexpr int kLostFrames = 4;
 
 // Beyond, a keyframe is given up whatever the errors say.
 constexpr double kMaxKeyframeShift = 0.5;  // of the side of the frame
@@ -39,7 +45,8 @@ KeyframeOdometry::KeyframeOdometry(ShiftMeter meter, FixedPattern fixed_pattern,
     : meter_(std::move(meter)),
       fixed_pattern_(std::move(fixed_pattern)),
       deformation_(std::move(deformation)),
-      reference_(meter_.make_reference()) {
+      reference_(meter_.make_reference()),
+      look_planner_(meter_.format()) {
   for (Slot& slot : slots_) slot.frame = meter_.make_frame();
 }
 
@@ -94,6 +101,7 @@ PatternStep KeyframeOdometry::refused(SlotIndex now, ShiftStatus status,
   out.since = slots_[last_.value_or(now)].stamp;
   out.keyframe = keyframe_ ? slots_[*keyframe_].index : -1;
   out.segment = segment_;
+  out.static_share = fixed_pattern_.static_share();
   out.x_px = last_place_.x_px;
   out.y_px = last_place_.y_px;
   out.position_cov = last_place_.cov;
@@ -107,6 +115,12 @@ std::optional<PatternStep> KeyframeOdometry::follow(SlotIndex now) {
                     last_place_.x_px - key_place_.x_px + vx_px_per_ns_ * dt_ns,
                     last_place_.y_px - key_place_.y_px + vy_px_per_ns_ * dt_ns);
   if (tracked.shift.status != ShiftStatus::ok) return std::nullopt;
+  const double dx_px = key_place_.x_px + tracked.shift.dx_px - last_place_.x_px;
+  const double dy_px = key_place_.y_px + tracked.shift.dy_px - last_place_.y_px;
+  if (may_be_held_back(tracked, dx_px, dy_px)) {
+    const Shift searched = acquire(*last_, now);
+    if (searched.status == ShiftStatus::static_pattern) return lost(now, searched);
+  }
   return accept(now, tracked, Search::predicted);
 }
 
@@ -126,9 +140,26 @@ PatternStep KeyframeOdometry::search(SlotIndex now) {
     judged = found.shift;
   }
   if (std::optional<PatternStep> begun = begin_segment(now)) return *begun;
+  return lost(now, judged);
+}
+
+PatternStep KeyframeOdometry::lost(SlotIndex now, const Shift& judged) {
   doubtful_ = now;
   wanted_plane_ = {*last_, now};
-  return refused(now, judged.status, judged.quality);
+  const PatternStep out = refused(now, judged.status, judged.quality);
+  learn_while_lost(now);
+  return out;
+}
+
+void KeyframeOdometry::begin_segment_at(SlotIndex slot) {
+  last_ = slot;
+  before_.reset();
+  doubtful_.reset();
+  set_keyframe(slot, last_place_);
+  has_speed_ = false;
+  frames_near_rest_place_ = 0;
+  motion_ = MotionState::unknown;
+  ++segment_;
 }
 
 Shift KeyframeOdometry::acquire(SlotIndex earlier, SlotIndex later) {
@@ -141,13 +172,7 @@ std::optional<PatternStep> KeyframeOdometry::begin_segment(SlotIndex now) {
   if (!doubtful_) return std::nullopt;
   const Shift acquired = acquire(*doubtful_, now);
   if (acquired.status != ShiftStatus::ok) return std::nullopt;
-  last_ = doubtful_;
-  before_.reset();
-  set_keyframe(*last_, last_place_);
-  has_speed_ = false;
-  frames_near_rest_place_ = 0;
-  motion_ = MotionState::unknown;
-  ++segment_;
+  begin_segment_at(*doubtful_);
   const TrackedShift found =
       meter_.refine(slots_[*last_].frame, reference_, slots_[now].frame, acquired);
   if (found.shift.status != ShiftStatus::ok) return std::nullopt;
@@ -201,29 +226,43 @@ PatternStep KeyframeOdometry::accept(SlotIndex now, const TrackedShift& tracked,
   wanted_plane_ = {*before_, now};
   last_place_ = place;
   doubtful_.reset();
+  frames_lost_ = 0;
   out.motion = motion_at(place);
-  if (learn_fixed_pattern(now, place) || wants_keyframe(tracked, dx_px, dy_px))
+  if (learn_fixed_pattern(now, tracked, place) || wants_keyframe(tracked, dx_px, dy_px))
     set_keyframe(now, place);
   out.static_share = fixed_pattern_.static_share();
   return out;
 }
 
+/// Whether the pattern changes at standstill while the optics are not known yet: either it boils or
+/// dirt on them outweighs the ground, which then shows as a second peak of the full search.
+bool KeyframeOdometry::may_be_held_back(const TrackedShift& tracked, double dx_px,
+                                        double dy_px) const {
+  return fixed_pattern_.learns() && look_planner_.looks() < kLooksThatTell &&
+         tracked.boiling_ratio > kUnexplained &&
+         std::max(std::abs(dx_px), std::abs(dy_px)) < kStandstill_px;
+}
+
 /// True when the frame had to be corrected anew, and so must be the keyframe of those to come.
-bool KeyframeOdometry::learn_fixed_pattern(SlotIndex now, const Place& place) {
+bool KeyframeOdometry::learn_fixed_pattern(SlotIndex now, const TrackedShift& tracked,
+                                           const Place& place) {
   if (!fixed_pattern_.learns()) return false;
-  if (++frames_since_look_ < (looks_ < kEagerLooks ? 1 : kLookFrames)) return false;
-  // Ground that was seen before, a few px off, would count as new without telling anything new.
-  const double apart_px = std::max(kLookDistance_px, meter_.speckle_px(reference_));
-  const auto seen = std::min<std::size_t>(looks_, look_places_.size());
-  for (std::size_t i = 0; i < seen; ++i) {
-    const Point& other = look_places_[i];
-    if (std::hypot(place.x_px - other.x_px, place.y_px - other.y_px) < apart_px) return false;
-  }
-  look_places_[looks_++ % look_places_.size()] = {place.x_px, place.y_px};
-  frames_since_look_ = 0;
-  if (!fixed_pattern_.look(raw_)) return false;
+  const double apart_px = std::max(kApart_px, meter_.speckle_px(reference_));
+  const bool is_due = tracked.boiling_ratio > kUnexplained
+                          ? look_planner_.is_due_by_change(raw_)
+                          : look_planner_.is_due(place.x_px, place.y_px, apart_px);
+  if (!is_due || !fixed_pattern_.look(raw_)) return false;
   slots_[now].frame.load(fixed_pattern_.corrected(raw_));
   return true;
+}
+
+/// The optics may be why nothing matches. Frames corrected before and after do not match either, so
+/// the next segment begins at this one.
+void KeyframeOdometry::learn_while_lost(SlotIndex now) {
+  if (!fixed_pattern_.learns() || ++frames_lost_ < kLostFrames) return;
+  if (!look_planner_.is_due_by_change(raw_) || !fixed_pattern_.look(raw_)) return;
+  slots_[now].frame.load(fixed_pattern_.corrected(raw_));
+  begin_segment_at(now);
 }
 
 /// Rest is a matter of time as well as of distance: whoever creeps leaves the place in the end.

@@ -22,6 +22,7 @@
 #include "lsv/core/step_report.h"
 #include "lsv/deformation_meter.h"
 #include "lsv/fixed_pattern.h"
+#include "lsv/look_planner.h"
 #include "lsv/pattern_step.h"
 #include "lsv/shift_meter.h"
 
@@ -48,9 +49,6 @@ class KeyframeOdometry {
     Stamp stamp{};
     std::int64_t index = 0;
   };
-  struct Point {
-    double x_px = 0.0, y_px = 0.0;
-  };
   /// A place on the path, with what is needed to subtract two of them.
   struct Place {
     double x_px = 0.0, y_px = 0.0;
@@ -66,12 +64,16 @@ class KeyframeOdometry {
   PatternStep accept(SlotIndex now, const TrackedShift& tracked, Search search);
   std::optional<PatternStep> follow(SlotIndex now);
   PatternStep search(SlotIndex now);
+  PatternStep lost(SlotIndex now, const Shift& judged);
   std::optional<PatternStep> begin_segment(SlotIndex now);
+  void begin_segment_at(SlotIndex slot);
   Shift acquire(SlotIndex earlier, SlotIndex later);
   void set_keyframe(SlotIndex slot, const Place& place);
   bool wants_keyframe(const TrackedShift& tracked, double dx_px, double dy_px) const;
   MotionState motion_at(const Place& place);
-  bool learn_fixed_pattern(SlotIndex now, const Place& place);
+  bool may_be_held_back(const TrackedShift& tracked, double dx_px, double dy_px) const;
+  bool learn_fixed_pattern(SlotIndex now, const TrackedShift& tracked, const Place& place);
+  void learn_while_lost(SlotIndex now);
   SlotIndex free_slot() const;
 
   ShiftMeter meter_;
@@ -87,11 +89,10 @@ class KeyframeOdometry {
 
   Place key_place_;
   Place last_place_;
-  Place rest_place_;                       // where the pattern was when it came to rest
-  FrameView raw_;                          // the frame being measured, as it came
-  std::array<Point, 1024> look_places_{};  // where the fixed pattern was looked at, in turn
-  int frames_since_look_ = 0;
-  std::size_t looks_ = 0;
+  Place rest_place_;  // where the pattern was when it came to rest
+  FrameView raw_;     // the frame being measured, as it came
+  LookPlanner look_planner_;
+  int frames_lost_ = 0;  // fit frames since the last accepted one
   int steps_since_keyframe_ = 0;
   int frames_near_rest_place_ = 0;
   MotionState motion_ = MotionState::unknown;

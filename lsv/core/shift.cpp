@@ -23,6 +23,8 @@ std::string_view word(ShiftStatus status) {
       return "flat_peak";
     case ShiftStatus::ambiguous:
       return "ambiguous";
+    case ShiftStatus::static_pattern:
+      return "static_pattern";
     case ShiftStatus::below_zncc_gate:
       return "below_zncc_gate";
     case ShiftStatus::below_q_gate:
@@ -53,6 +55,10 @@ std::string_view advice(ShiftStatus status) {
       return "The correlation peak has no usable shape: speckle may be under 2 px wide.";
     case ShiftStatus::ambiguous:
       return "Two correlation peaks are nearly equal: the pattern repeats or has been lost.";
+    case ShiftStatus::static_pattern:
+      return "Something that stays on the sensor outweighs the ground, which moves: clean the "
+             "optics, "
+             "or cut borders off with --roi.";
     case ShiftStatus::below_zncc_gate:
       return "The frames resemble each other too little: the motion may exceed --max-shift, or "
              "the speckle boils.";

@@ -29,6 +29,7 @@ enum class ShiftStatus {
   peak_at_border,   // correlation still rises at the edge of the search range
   flat_peak,        // the neighbourhood of the peak has no shape that the fit accepts
   ambiguous,        // a second peak is nearly as high
+  static_pattern,   // the frames match at rest, but part of them also somewhere else
   below_zncc_gate,  // peak ZNCC under GateConfig::min_zncc or min_zncc_sigmas
   below_q_gate,     // Q under GateConfig::min_q
 };
@@ -47,6 +48,7 @@ inline constexpr std::array kAllShiftStatuses = {ShiftStatus::ok,
                                                  ShiftStatus::peak_at_border,
                                                  ShiftStatus::flat_peak,
                                                  ShiftStatus::ambiguous,
+                                                 ShiftStatus::static_pattern,
                                                  ShiftStatus::below_zncc_gate,
                                                  ShiftStatus::below_q_gate};
 

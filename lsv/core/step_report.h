@@ -26,6 +26,7 @@ enum class MotionState {
   moving,
 };
 
+/// Optics with this share of the image static want cleaning.
 inline constexpr double kDirtyShare = 0.2;
 
 std::string_view word(Search search);
@@ -50,7 +51,7 @@ struct StepReport {
   /// Over dt_ns; measured on request (TrackConfig::measure_deformation) with an accepted shift.
   Deformation deformation{};
   /// Share of the image in which what does not move with the ground (dirt, uneven light) outweighs
-  /// what does; NaN until enough ground was seen. Above kDirtyShare the optics want cleaning.
+  /// what does; NaN until enough ground was seen. See kDirtyShare.
   double static_share = kUnknown;
 };
 

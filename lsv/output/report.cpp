@@ -335,6 +335,7 @@ std::string ReportBuilder::page() const {
 
   ordered_json data;
   data["summary"] = ordered_json::parse(summary_json(info_, summary));
+  data["dirty_share"] = kDirtyShare;
   data["start_s"] = start_s;
   data["reasons"] = reasons_json(summary);
   data["series"] = series_json(series_);

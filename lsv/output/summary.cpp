@@ -166,6 +166,7 @@ Summary SummaryBuilder::summary() const {
   out.max_speed_m_s = max_speed_m_s_;
   out.mean_zncc = zncc_sum_ / ok;
   out.median_q = q_.median();
+  out.static_share = last_.static_share;
   out.interrupted = interrupted_;
   return out;
 }
@@ -189,6 +190,7 @@ std::string summary_json(const RunInfo& info, const Summary& summary) {
   out["max_speed_m_s"] = summary.max_speed_m_s;
   out["mean_zncc"] = summary.mean_zncc;
   out["median_q"] = summary.median_q;
+  out["static_share"] = summary.static_share;
   out["interrupted"] = summary.interrupted;
   out["settings"] = settings_json(info);
   return out.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
@@ -209,6 +211,10 @@ std::string summary_text(const Summary& summary) {
          in_prefixed(summary.max_speed_m_s, "m/s") + "\n";
   out += "quality  mean ZNCC " + with_unit(summary.mean_zncc, 4, "") + ", median Q " +
          with_unit(summary.median_q, 2, "") + "\n";
+  if (summary.static_share > kDirtyShare) {
+    out += "optics   " + with_unit(100.0 * summary.static_share, 0, " %") +
+           " of the image does not move with the ground: clean them, distances may be short\n";
+  }
   if (summary.interrupted)
     out += "The run was interrupted: frames after the last one are missing.\n";
   return out;

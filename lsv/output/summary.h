@@ -32,6 +32,7 @@ struct Summary {
   double max_speed_m_s = kUnknown;
   double mean_zncc = kUnknown;  // of accepted shifts
   double median_q = kUnknown;   // of accepted shifts, within 0.5 %
+  double static_share = kUnknown;  // as last known, see StepReport
   bool interrupted = false;
 };
 

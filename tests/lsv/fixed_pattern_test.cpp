@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -125,7 +126,7 @@ TEST(FixedPattern, DirtIsLearnedAndTakenOut) {
     TrackConfig track = test::bridget_config();
     const Drive learned = drive(config, track, 1000);
     track.learn_fixed_pattern = false;
-    const Drive naive = drive(config, track, 400);
+    const Drive naive = drive(config, track, 200);
     std::printf(
         "dirt over %.0f %%: distance error %.4f %%, without learning %.3f %%, told %.0f %%\n",
         100.0 * share, learned.distance_error_percent, naive.distance_error_percent,
@@ -138,6 +139,75 @@ TEST(FixedPattern, DirtIsLearnedAndTakenOut) {
     }
     EXPECT_EQ(learned.static_share > kDirtyShare, share > kDirtyShare) << learned.static_share;
   }
+}
+
+// A border that never changes matches itself at rest, more strongly than the ground matches
+// anywhere.
+TEST(FixedPattern, ABrightBorderHoldsTheMotionBackForAMomentAndSaysSo) {
+  const sim::SpeckleConfig config{.mean_signal_counts = 30.0, .seed = 7};
+  for (const int border_counts : {200, 255}) {
+    sim::SpeckleCamera camera = camera_of(config);
+    Odometer odometer = Odometer::create(test::bridget_config(), sim::frame_format(config)).value();
+    Frame frame;
+    int refused = 0;
+    StepReport report;
+    for (int k = 0; k < 100; ++k) {
+      ASSERT_TRUE(camera.render(k, {.x_px = 5.3 * k, .y_px = -3.4 * k}, frame));
+      for (int y = 0; y < 128; ++y) {
+        for (int x = 0; x < 128; ++x) {
+          if (std::min({x, y, 127 - x, 127 - y}) < 3)
+            frame.row8(y)[x] = static_cast<std::uint8_t>(border_counts);
+        }
+      }
+      frame.stamp = {k * std::int64_t{1'000'000}};
+      report = odometer.push(frame.view()).value();
+      if (k == 0) continue;
+      if (report.shift.status == ShiftStatus::ok) {
+        EXPECT_NEAR(report.shift.dx_px, 5.3, 0.05) << k;
+        EXPECT_NEAR(report.shift.dy_px, -3.4, 0.05) << k;
+        continue;
+      }
+      ++refused;
+      if (k < 4) {
+        EXPECT_EQ(report.shift.status, ShiftStatus::static_pattern) << k;
+      }
+    }
+    std::printf("border of %d counts: %d shifts refused, static share %.3f\n", border_counts,
+                refused, report.static_share);
+    EXPECT_LE(refused, 20);
+    EXPECT_GT(report.static_share, 0.08);
+  }
+}
+
+// The pattern of a parked rover boils through: all of it is ground.
+TEST(FixedPattern, BoilingAtRestIsNoDirt) {
+  const sim::SpeckleConfig config{.width_px = 96, .height_px = 96, .rho = 0.9, .seed = 11};
+  sim::SpeckleCamera camera = camera_of(config);
+  Odometer odometer = Odometer::create(test::bridget_config(), sim::frame_format(config)).value();
+  Frame frame;
+  StepReport report;
+  for (int k = 0; k < 600; ++k) {
+    ASSERT_TRUE(camera.render(k, {}, frame));
+    frame.stamp = {k * std::int64_t{1'000'000}};
+    report = odometer.push(frame.view()).value();
+    if (k > 0) {
+      EXPECT_EQ(report.shift.status, ShiftStatus::ok) << k;
+    }
+  }
+  EXPECT_LT(report.static_share, 0.01);
+}
+
+// Looks at one place, counted as many: most of the image seems static, so it must be the ground.
+TEST(FixedPattern, GroundThatDoesNotMoveIsNotLearned) {
+  const sim::SpeckleConfig config{.width_px = 96, .height_px = 80, .seed = 5};
+  sim::SpeckleCamera camera = camera_of(config);
+  FixedPattern pattern(sim::frame_format(config), config.noise_mean_counts, nullptr, true);
+  Frame frame;
+  for (int k = 0; k < 200; ++k) {
+    ASSERT_TRUE(camera.render(k, {}, frame));
+    EXPECT_FALSE(pattern.look(frame.view())) << k;
+  }
+  EXPECT_EQ(pattern.corrected(frame.view()).data, frame.view().data);
 }
 
 TEST(FixedPattern, MapsOfAnotherSizeAreRefused) {

@@ -66,6 +66,28 @@ TEST(JudgeShift, EachGateHasItsReason) {
   EXPECT_EQ(judge_shift(low_q, gate), ShiftStatus::below_q_gate);
 }
 
+// At rest, with less resemblance than rest would have, and with a second peak beyond chance.
+TEST(JudgeSearch, ASecondPeakBesideAPatternAtRest) {
+  const GateConfig gate;
+  Shift held = good_shift();
+  held.dx_px = 0.1, held.dy_px = -0.1;
+  held.quality.peak_ratio = 2.0;
+  EXPECT_EQ(judge_search(held, gate), ShiftStatus::static_pattern);
+  EXPECT_EQ(judge_shift(held, gate), ShiftStatus::ok);
+  Shift moving = held;
+  moving.dy_px = -2.0;
+  EXPECT_EQ(judge_search(moving, gate), ShiftStatus::ok);
+  Shift same = held;
+  same.quality.zncc = 0.99;
+  EXPECT_EQ(judge_search(same, gate), ShiftStatus::ok);
+  Shift boiling = held;
+  boiling.quality.peak_ratio = 5.0;
+  EXPECT_EQ(judge_search(boiling, gate), ShiftStatus::ok);
+  Shift twin = held;
+  twin.quality.peak_ratio = gate.min_peak_ratio - 0.01;
+  EXPECT_EQ(judge_search(twin, gate), ShiftStatus::ambiguous);
+}
+
 TEST(JudgeShift, UnknownQualityIsRefused) {
   for (double ShiftQuality::*member : {&ShiftQuality::zncc, &ShiftQuality::q,
                                        &ShiftQuality::peak_ratio, &ShiftQuality::zncc_sigmas}) {

@@ -7,9 +7,15 @@ function drawHeading() {
     add(byId("notices"), "span", "The run was interrupted: frames after the last one are missing.",
       "notice");
   }
+  if (summary.static_share > data.dirty_share) {
+    add(byId("notices"), "span", percent(summary.static_share) +
+      " of the image does not move with the ground: clean the optics, distances may be short.",
+      "notice");
+  }
   byId("made-by").textContent =
     "lsv " + settings.lsv_version + ", laser speckle velocimetry. Sigmas hold the random error " +
-    "of the accepted shifts only, not that of the calibration. This file needs no network.";
+    "of the accepted shifts and, where the calibration tells it, of the scale. " +
+    "This file needs no network.";
 }
 
 function drawTile(name, value, more) {
@@ -62,6 +68,7 @@ function drawSummary() {
   pairRow(table, "Highest speed", withUnit(summary.max_speed_m_s, "m/s"));
   pairRow(table, "Mean ZNCC", digits(summary.mean_zncc));
   pairRow(table, "Median Q", digits(summary.median_q, 3));
+  pairRow(table, "Static share of the image", percent(summary.static_share));
 }
 
 function drawReasons() {
