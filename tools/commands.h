@@ -30,6 +30,7 @@ void add_simulate_command(CLI::App& app, int& exit_code);
 void add_track_command(CLI::App& app, int& exit_code);
 
 /// Below `lsv calibrate`.
+void add_calibrate_camera(CLI::App& calibrate, int& exit_code);
 void add_calibrate_geometry(CLI::App& calibrate, int& exit_code);
 void add_calibrate_scale(CLI::App& calibrate, int& exit_code);
 
