@@ -37,14 +37,22 @@ constexpr Bounds kHeight_m{1e-4, 100.0};
 constexpr Bounds kLever_m{-100.0, 100.0};
 constexpr Bounds kSide_px{1.0, 65535.0};
 constexpr Bounds kBits{8.0, 16.0};
+constexpr Bounds kK_counts_per_e{1e-7, 1e5};
+constexpr Bounds kNoise_e{0.0, 1e8};
+constexpr Bounds kPrnu_ratio{0.0, 1.0};
+constexpr Bounds kSaturation_counts{1.0, 65535.0};
+constexpr Bounds kSaturation_e{1e-3, 1e12};
+constexpr Bounds kCameraSigma{1e-15, 1e12};
+constexpr Bounds kFrames{2.0, 1e9};
 
-constexpr int kSections = 6;
+constexpr int kSections = 7;
 struct Section {
   const char* name;
   bool required;
 };
-constexpr Section kAllSections[kSections] = {{"sensor", true},  {"camera", true}, {"scale", false},
-                                             {"format", false}, {"maps", false},  {"mount", false}};
+constexpr Section kAllSections[kSections] = {
+    {"sensor", true}, {"camera", true},    {"scale", false}, {"format", false},
+    {"maps", false},  {"emva1288", false}, {"mount", false}};
 
 /// Order of scale.correlations: the pairs of the four uncertain figures, row by row.
 constexpr std::pair<std::size_t, std::size_t> kPairs[] = {{0, 1}, {0, 2}, {0, 3},
@@ -198,6 +206,30 @@ void read_maps(SectionReader& in, Calibration& out) {
   out.maps = MapsRecord{.file = in.text("file"), .sha256 = in.text("sha256")};
 }
 
+void read_emva1288(SectionReader& in, Calibration& out) {
+  CameraRecord camera;
+  camera.k_counts_per_e = in.number("k_counts_per_e", kK_counts_per_e);
+  camera.sigma_k_counts_per_e = in.number("sigma_k_counts_per_e", kCameraSigma);
+  camera.dark_noise_e = in.number("dark_noise_e", kNoise_e);
+  camera.sigma_dark_noise_e = in.number("sigma_dark_noise_e", kCameraSigma);
+  camera.dsnu_e = in.number("dsnu_e", kNoise_e);
+  camera.sigma_dsnu_e = in.number("sigma_dsnu_e", kCameraSigma);
+  camera.prnu_ratio = in.number("prnu_ratio", kPrnu_ratio);
+  camera.sigma_prnu_ratio = in.number("sigma_prnu_ratio", kCameraSigma);
+  camera.saturation_counts = in.number("saturation_counts", kSaturation_counts);
+  camera.sigma_saturation_counts = in.number("sigma_saturation_counts", kCameraSigma);
+  camera.saturation_e = in.number("saturation_e", kSaturation_e);
+  camera.sigma_saturation_e = in.number("sigma_saturation_e", kCameraSigma);
+  camera.saturation_reached = in.truth("saturation_reached");
+  camera.dark_frames = in.whole("dark_frames", kFrames);
+  camera.flat_frames = in.whole("flat_frames", kFrames);
+  camera.flat_levels = in.whole("flat_levels", kFrames);
+  camera.date = in.text("date");
+  camera.method = in.text("method");
+  camera.inputs_sha256 = in.text("inputs_sha256");
+  out.camera = std::move(camera);
+}
+
 void read_mount(SectionReader& in, Calibration& out) {
   out.mount = Mount{.x_m = in.number("x_m", kLever_m),
                     .y_m = in.number("y_m", kLever_m),
@@ -208,8 +240,8 @@ void read_mount(SectionReader& in, Calibration& out) {
 }
 
 using ReadSection = void (*)(SectionReader&, Calibration&);
-constexpr ReadSection kReaders[kSections] = {read_sensor, read_camera, read_scale,
-                                             read_format, read_maps,   read_mount};
+constexpr ReadSection kReaders[kSections] = {read_sensor, read_camera,   read_scale, read_format,
+                                             read_maps,   read_emva1288, read_mount};
 
 /// Reads one document and remembers its name for messages.
 class Reader {
@@ -322,6 +354,29 @@ void write_scale(const ScaleRecord& scale, std::string& out) {
   section.text("inputs_sha256", scale.inputs_sha256);
 }
 
+void write_emva1288(const CameraRecord& camera, std::string& out) {
+  SectionWriter section("emva1288", out);
+  section.number("k_counts_per_e", camera.k_counts_per_e);
+  section.number("sigma_k_counts_per_e", camera.sigma_k_counts_per_e);
+  section.number("dark_noise_e", camera.dark_noise_e);
+  section.number("sigma_dark_noise_e", camera.sigma_dark_noise_e);
+  section.number("dsnu_e", camera.dsnu_e);
+  section.number("sigma_dsnu_e", camera.sigma_dsnu_e);
+  section.number("prnu_ratio", camera.prnu_ratio);
+  section.number("sigma_prnu_ratio", camera.sigma_prnu_ratio);
+  section.number("saturation_counts", camera.saturation_counts);
+  section.number("sigma_saturation_counts", camera.sigma_saturation_counts);
+  section.number("saturation_e", camera.saturation_e);
+  section.number("sigma_saturation_e", camera.sigma_saturation_e);
+  section.line("saturation_reached", camera.saturation_reached ? "true" : "false");
+  section.number("dark_frames", camera.dark_frames);
+  section.number("flat_frames", camera.flat_frames);
+  section.number("flat_levels", camera.flat_levels);
+  section.text("date", camera.date);
+  section.text("method", camera.method);
+  section.text("inputs_sha256", camera.inputs_sha256);
+}
+
 void write_mount(const Mount& mount, std::string& out) {
   SectionWriter section("mount", out);
   section.number("x_m", mount.x_m);
@@ -379,6 +434,7 @@ std::string calibration_text(const Calibration& calibration) {
     section.text("file", calibration.maps->file);
     section.text("sha256", calibration.maps->sha256);
   }
+  if (calibration.camera) write_emva1288(*calibration.camera, out);
   if (calibration.mount) write_mount(*calibration.mount, out);
   return out;
 }

@@ -15,6 +15,7 @@
 //   [scale]                      # optional: orientation and uncertainty, see ScaleRecord
 //   [format]                     # optional: the frames it is for, see SensorFormat
 //   [maps]                       # optional: fixed pattern, see MapsRecord
+//   [emva1288]                   # optional: camera, see CameraRecord
 //   [mount]                      # optional: place on the vehicle, see Mount
 //
 // Every key of a section is required and no other is allowed. An error names file, line and key;

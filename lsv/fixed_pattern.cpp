@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include "lsv/core/shift.h"
 
@@ -42,7 +44,46 @@ float chance_deviation(int n, double sigmas) {
                             1.0);
 }
 
+std::string size_text(int width_px, int height_px) {
+  return std::to_string(width_px) + " x " + std::to_string(height_px) + " px";
+}
+
+/// Why `config` cannot be meant for such frames.
+std::optional<std::string> contradiction(const TrackConfig& config, const FrameFormat& format) {
+  const SensorMaps* const maps = config.sensor_maps.get();
+  if (maps == nullptr && config.calibration.maps) {
+    return "the calibration names sensor maps (" + config.calibration.maps->file +
+           ") but none are set: load both with set_calibration() of lsv/sensor_setup.h";
+  }
+  if (maps != nullptr &&
+      (maps->width_px != format.width_px || maps->height_px != format.height_px)) {
+    return "the sensor maps are for " + size_text(maps->width_px, maps->height_px) +
+           ", the frames are " + size_text(format.width_px, format.height_px);
+  }
+  const std::optional<SensorFormat>& calibrated = config.calibration.format;
+  if (!calibrated) return std::nullopt;
+  if (calibrated->bit_depth != format.bit_depth) {
+    return "the calibration is for frames with " + std::to_string(calibrated->bit_depth) +
+           " bit, these have " + std::to_string(format.bit_depth);
+  }
+  // Smaller ones may be a region.
+  if (format.width_px > calibrated->width_px || format.height_px > calibrated->height_px) {
+    return "the calibration is for frames of " +
+           size_text(calibrated->width_px, calibrated->height_px) + ", these are " +
+           size_text(format.width_px, format.height_px);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+Result<FixedPattern> FixedPattern::create(const TrackConfig& config, const FrameFormat& format,
+                                          bool learn) {
+  if (const std::optional<std::string> why = contradiction(config, format))
+    return Error{ErrorCode::invalid_argument, *why};
+  return FixedPattern(format, config.calibration.noise_mean_counts, config.sensor_maps.get(),
+                      learn);
+}
 
 FixedPattern::FixedPattern(const FrameFormat& format, double dark_counts, const SensorMaps* maps,
                            bool learn)

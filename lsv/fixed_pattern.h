@@ -16,13 +16,21 @@
 #include <optional>
 #include <vector>
 
+#include "lsv/core/config.h"
 #include "lsv/core/frame.h"
+#include "lsv/core/result.h"
 #include "lsv/core/sensor_maps.h"
 
 namespace lsv {
 
 class FixedPattern {
  public:
+  /// For frames of `format` with the maps of `config`. invalid_argument when the maps are of
+  /// another size, when the calibration names maps and none are set, or when it is for frames of
+  /// another bit depth or for smaller ones.
+  static Result<FixedPattern> create(const TrackConfig& config, const FrameFormat& format,
+                                     bool learn);
+
   /// `maps`, if any, have the size of the frames. `dark_counts` is the level that offsets are
   /// brought to. `learn`: whether look() will be called.
   FixedPattern(const FrameFormat& format, double dark_counts, const SensorMaps* maps, bool learn);

@@ -61,15 +61,10 @@ Result<Odometer> Odometer::create(const TrackConfig& config, const FrameFormat& 
 
 Result<Odometer::Follower> Odometer::make_follower(const TrackConfig& config,
                                                    const FrameFormat& format) {
-  const SensorMaps* const maps = config.sensor_maps.get();
-  if (maps != nullptr &&
-      (maps->width_px != format.width_px || maps->height_px != format.height_px)) {
-    return Error{ErrorCode::invalid_argument,
-                 "the sensor maps are for " + std::to_string(maps->width_px) + " x " +
-                     std::to_string(maps->height_px) + " px, the frames are " + size_text(format)};
-  }
   const bool learns = config.learn_fixed_pattern && config.preset != Preset::classic;
-  FixedPattern fixed_pattern(format, config.calibration.noise_mean_counts, maps, learns);
+  Result<FixedPattern> made_pattern = FixedPattern::create(config, format, learns);
+  if (!made_pattern) return made_pattern.error();
+  FixedPattern fixed_pattern = std::move(made_pattern).value();
   if (config.preset == Preset::classic) {
     Result<FrameToFrame> classic = FrameToFrame::create(config, format, std::move(fixed_pattern));
     if (!classic) return classic.error();

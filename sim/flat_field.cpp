@@ -31,21 +31,33 @@ Error third_party(const std::exception& error) {
 
 }  // namespace
 
-Result<FlatFieldCamera> FlatFieldCamera::create(const SpeckleConfig& config) {
+Result<FlatFieldCamera> FlatFieldCamera::create(const SpeckleConfig& config,
+                                                double gradient_ratio) {
   if (Result<void> valid = validate(config); !valid) return valid.error();
+  if (!(gradient_ratio >= -1.0 && gradient_ratio <= 1.0)) {
+    return Error{ErrorCode::invalid_argument,
+                 "gradient_ratio is " + std::to_string(gradient_ratio) + " but must be in [-1, 1]"};
+  }
   try {
-    return FlatFieldCamera(config);
+    return FlatFieldCamera(config, gradient_ratio);
   } catch (const std::exception& error) {
     return third_party(error);
   }
 }
 
-FlatFieldCamera::FlatFieldCamera(const SpeckleConfig& config)
+FlatFieldCamera::FlatFieldCamera(const SpeckleConfig& config, double gradient_ratio)
     : config_(config),
       pattern_(make_sensor_pattern(config.sensor, config.width_px, config.height_px,
                                    config.speckle_px, config.sensor.seed.value_or(config.seed))),
       light_(static_cast<std::size_t>(config.width_px) * static_cast<std::size_t>(config.height_px),
-             1.0) {}
+             1.0) {
+  const auto width = static_cast<std::size_t>(config.width_px);
+  if (width < 2) return;
+  for (std::size_t i = 0; i < light_.size(); ++i) {
+    const auto column = static_cast<double>(i % width);
+    light_[i] += gradient_ratio * (column / static_cast<double>(width - 1) - 0.5);
+  }
+}
 
 Result<void> FlatFieldCamera::render(std::int64_t frame, Frame& out) {
   if (frame < 0 || frame >= kFrameEnd) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Uniform, constant light on the sensor of a SpeckleCamera: the frames with which a camera is
-// characterised (EMVA 1288). The fixed pattern is that of the SpeckleCamera of the same settings;
-// the temporal noise differs from the noise of the speckle frames and of other levels of light.
-// Units as in sim/speckle.h. One camera belongs to one thread at a time.
+// Constant light on the sensor of a SpeckleCamera, uniform or with a slope: the frames with which a
+// camera is characterised (EMVA 1288). The fixed pattern is that of the SpeckleCamera of the same
+// settings; the temporal noise differs from the noise of the speckle frames and of other levels of
+// light. Units as in sim/speckle.h. One camera belongs to one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,9 @@ namespace lsv::sim {
 
 class FlatFieldCamera {
  public:
-  /// The level of light is config.mean_signal_counts; 0 is dark.
-  static Result<FlatFieldCamera> create(const SpeckleConfig& config);
+  /// The level of light is config.mean_signal_counts; 0 is dark. `gradient_ratio`: how much more
+  /// light falls on the last column than on the first, of the mean, [-1, 1].
+  static Result<FlatFieldCamera> create(const SpeckleConfig& config, double gradient_ratio = 0.0);
 
   /// Fills `out` with frame number `frame`, [0, 2^32), its stamp and index. Any order.
   Result<void> render(std::int64_t frame, Frame& out);
@@ -26,7 +27,7 @@ class FlatFieldCamera {
   const SensorPattern& pattern() const { return pattern_; }
 
  private:
-  explicit FlatFieldCamera(const SpeckleConfig& config);
+  FlatFieldCamera(const SpeckleConfig& config, double gradient_ratio);
 
   SpeckleConfig config_;
   SensorPattern pattern_;

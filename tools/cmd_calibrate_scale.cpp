@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "calibration/calibration_io.h"
+#include "calibration/sensor_maps_io.h"
 #include "lsv/output/output_file.h"
 #include "tools/commands.h"
 #include "tools/scale_report.h"
@@ -47,7 +48,8 @@ Result<ScaleReport> measure(const ScaleOptions& options, std::optional<double> s
   Result<ScaleFit> fit =
       fit_scale(runs.value().runs, base.value().pixel_pitch_x_m, base.value().pixel_pitch_y_m);
   if (!fit) return Error{fit.error().code, options.runs + ": " + fit.error().message};
-  ScaleReport out{.calibration = with_scale(base.value(), fit.value()),
+  ScaleReport out{.calibration = with_maps_seen_from(
+                      options.output, with_scale(base.value(), fit.value()), options.calibration),
                   .fit = std::move(fit).value(),
                   .runs = std::move(runs.value().runs),
                   .change = {},

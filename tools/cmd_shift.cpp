@@ -10,12 +10,13 @@
 #include <utility>
 #include <vector>
 
-#include "calibration/calibration_io.h"
 #include "lsv/deformation_meter.h"
+#include "lsv/fixed_pattern.h"
 #include "lsv/ingest/frame_source.h"
 #include "lsv/output/number_text.h"
 #include "lsv/output/output_file.h"
 #include "lsv/shift_meter.h"
+#include "tools/calibrated_frames.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/output_names.h"
@@ -47,21 +48,23 @@ Calibration unknown_camera() {
 /// What one pair needs; made for the first pair and kept.
 struct PairMeter {
   ShiftMeter meter;
+  FixedPattern fixed_pattern;
   std::optional<DeformationMeter> deformation_meter;
   TrackFrame earlier;
   TrackFrame later;
   TrackReference reference;
 
-  PairMeter(ShiftMeter m, std::optional<DeformationMeter> d)
+  PairMeter(ShiftMeter m, FixedPattern f, std::optional<DeformationMeter> d)
       : meter(std::move(m)),
+        fixed_pattern(std::move(f)),
         deformation_meter(std::move(d)),
         earlier(meter.make_frame()),
         later(meter.make_frame()),
         reference(meter.make_reference()) {}
 
   TrackedShift measure(const FrameView& a, const FrameView& b) {
-    earlier.load(a);
-    later.load(b);
+    earlier.load(fixed_pattern.corrected(a));
+    later.load(fixed_pattern.corrected(b));
     for (const TrackFrame* frame : {&earlier, &later}) {
       if (const ShiftStatus fitness = meter.fitness(*frame); fitness != ShiftStatus::ok)
         return refused(fitness);
@@ -88,6 +91,8 @@ struct PairMeter {
 Result<PairMeter> make_meter(const TrackConfig& config, const FrameFormat& format) {
   Result<ShiftMeter> meter = ShiftMeter::create(config, format);
   if (!meter) return meter.error();
+  Result<FixedPattern> fixed_pattern = FixedPattern::create(config, format, false);
+  if (!fixed_pattern) return fixed_pattern.error();
   std::optional<DeformationMeter> deformation;
   if (config.measure_deformation) {
     Result<DeformationMeter> made =
@@ -95,7 +100,8 @@ Result<PairMeter> make_meter(const TrackConfig& config, const FrameFormat& forma
     if (!made) return made.error();
     deformation.emplace(std::move(made).value());
   }
-  return PairMeter(std::move(meter).value(), std::move(deformation));
+  return PairMeter(std::move(meter).value(), std::move(fixed_pattern).value(),
+                   std::move(deformation));
 }
 
 nlohmann::ordered_json json_of(const Frame& a, const Frame& b, const TrackedShift& found,
@@ -238,20 +244,12 @@ Result<int> shift(ShiftCommand& command) {
   if (Result<void> checked = check(command); !checked) return checked.error();
   TrackSettings& track = command.track;
   track.config.calibration = unknown_camera();
-  if (!track.calibration_path.empty()) {
-    Result<Calibration> calibration = load_calibration(track.calibration_path);
-    if (!calibration) return calibration.error();
-    track.config.calibration = std::move(calibration).value();
-  }
   track.source.need_time = false;
   // A and B are what their places say, whatever their names.
   if (!command.pairs) track.source.ignore_numbers = true;
-  Result<std::unique_ptr<FrameSource>> source = open_frames(command.frames, track.source);
+  Result<std::unique_ptr<FrameSource>> source = open_calibrated_frames(command.frames, track);
   if (!source) return source.error();
-  for (const std::string& warning : source.value()->info().warnings)
-    std::fprintf(stderr, "lsv: warning: %s\n", warning.c_str());
-  std::vector<std::string> inputs = source.value()->info().files;
-  inputs.push_back(track.calibration_path);
+  const std::vector<std::string> inputs = inputs_of(source.value()->info(), track);
   if (Result<void> checked = refuse_inputs({command.output_path, command.plane_path}, inputs);
       !checked)
     return checked.error();

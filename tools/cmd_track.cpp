@@ -10,6 +10,7 @@
 #include "calibration/calibration_io.h"
 #include "lsv/odometer.h"
 #include "lsv/output/number_text.h"
+#include "tools/calibrated_frames.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/progress.h"
@@ -29,18 +30,6 @@ struct TrackCommand {
   TrackSettings track;
   Settings settings;
 };
-
-Result<void> load_calibration_into(TrackSettings& track) {
-  if (track.calibration_path.empty()) {
-    return Error{ErrorCode::invalid_argument,
-                 "a calibration is needed to turn pixels into metres: give --calibration FILE "
-                 "(sample_frames/calibration.toml is an example)"};
-  }
-  Result<Calibration> calibration = load_calibration(track.calibration_path);
-  if (!calibration) return calibration.error();
-  track.config.calibration = std::move(calibration).value();
-  return {};
-}
 
 std::string time_base(const SourceOptions& source) {
   if (!source.rate_hz) return source.timestamps_path;
@@ -94,15 +83,6 @@ int exit_code_of(const Summary& summary, double max_rejected_share) {
   return kExitLowQuality;
 }
 
-std::vector<std::string> inputs_of(const TrackCommand& command, const SourceInfo& source) {
-  std::vector<std::string> out = source.files;
-  for (const std::string& path : {command.track.calibration_path,
-                                  command.track.source.timestamps_path, command.config_path}) {
-    if (!path.empty()) out.push_back(path);
-  }
-  return out;
-}
-
 /// `error` with the input it is about.
 Error about(const std::string& input, const Error& error) {
   return {error.code, input + ": " + error.message};
@@ -116,17 +96,21 @@ Result<int> track(TrackCommand& command) {
   TrackSettings& settings = command.track;
   if (!(settings.max_rejected_share >= 0.0 && settings.max_rejected_share <= 1.0))
     return Error{ErrorCode::invalid_argument, "--max-rejected must be between 0 and 1"};
-  if (Result<void> loaded = load_calibration_into(settings); !loaded) return loaded.error();
-  Result<std::unique_ptr<FrameSource>> source = open_frames(command.frames, settings.source);
+  if (settings.calibration_path.empty()) {
+    return Error{ErrorCode::invalid_argument,
+                 "a calibration is needed to turn pixels into metres: give --calibration FILE "
+                 "(sample_frames/calibration.toml is an example)"};
+  }
+  Result<std::unique_ptr<FrameSource>> source = open_calibrated_frames(command.frames, settings);
   if (!source) return source.error();
   const SourceInfo& info = source.value()->info();
-  for (const std::string& warning : info.warnings)
-    std::fprintf(stderr, "lsv: warning: %s\n", warning.c_str());
   Result<Odometer> odometer = Odometer::create(settings.config, info.format);
   if (!odometer) return about(command.frames.front(), odometer.error());
+  std::vector<std::string> inputs = inputs_of(info, settings);
+  if (!command.config_path.empty()) inputs.push_back(command.config_path);
   Result<TrackOutputs> outputs =
       TrackOutputs::open(command.outputs, run_info(settings, info, odometer.value().lags()),
-                         command.settings.to_toml(), inputs_of(command, info));
+                         command.settings.to_toml(), inputs);
   if (!outputs) return outputs.error();
 
   catch_interrupts();
@@ -171,10 +155,10 @@ std::string calibration_comment(const Calibration& calibration, const std::strin
 
 int print_config(TrackCommand& command) {
   std::string text = command.settings.to_toml();
-  if (!command.track.calibration_path.empty()) {
-    if (Result<void> loaded = load_calibration_into(command.track); !loaded)
-      return report_error(loaded.error());
-    text += calibration_comment(command.track.config.calibration, command.track.calibration_path);
+  if (const std::string& path = command.track.calibration_path; !path.empty()) {
+    const Result<Calibration> calibration = load_calibration(path);
+    if (!calibration) return report_error(calibration.error());
+    text += calibration_comment(calibration.value(), path);
   }
   std::fputs(text.c_str(), stdout);
   return std::fflush(stdout) == 0 ? kExitOk : kExitOutputFailed;

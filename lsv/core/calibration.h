@@ -43,6 +43,30 @@ struct SensorFormat {
   int bit_depth = 0;
 };
 
+/// What the camera does to light: the linear model of EMVA 1288, release 4.0, each figure with one
+/// standard deviation. The comments give the symbols of the standard.
+struct CameraRecord {
+  double k_counts_per_e = kUnknown;  // K
+  double sigma_k_counts_per_e = kUnknown;
+  double dark_noise_e = kUnknown;  // sigma_d: over time, without the noise of rounding to counts
+  double sigma_dark_noise_e = kUnknown;
+  double dsnu_e = kUnknown;  // DSNU1288: from pixel to pixel, dark
+  double sigma_dsnu_e = kUnknown;
+  double prnu_ratio = kUnknown;  // PRNU1288: from pixel to pixel, of the signal
+  double sigma_prnu_ratio = kUnknown;
+  double saturation_counts = kUnknown;  // mu_y.sat
+  double sigma_saturation_counts = kUnknown;
+  double saturation_e = kUnknown;  // mu_e.sat
+  double sigma_saturation_e = kUnknown;
+  bool saturation_reached = false;  // else both are lower bounds: the brightest light measured
+  int dark_frames = 0;
+  int flat_frames = 0;  // of all levels of light
+  int flat_levels = 0;
+  std::string date;  // as the user gave it
+  std::string method;
+  std::string inputs_sha256;
+};
+
 /// Fixed pattern of the sensor, a file beside the calibration.
 struct MapsRecord {
   std::string file;  // relative to the folder of the calibration
@@ -72,6 +96,7 @@ struct Calibration {
   std::optional<ScaleRecord> scale{};
   std::optional<SensorFormat> format{};
   std::optional<MapsRecord> maps{};
+  std::optional<CameraRecord> camera{};
   std::optional<Mount> mount{};
   std::string digest;  // SHA-256 of the file it came from, hex
 };

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "lsv/core/frame.h"
+
 namespace lsv {
 
 struct SensorMaps {
@@ -14,5 +16,8 @@ struct SensorMaps {
   std::vector<float> gain_ratio{};     // response of each pixel over that of all, > 0
   std::vector<std::uint8_t> defect{};  // 1: the pixel tells nothing
 };
+
+/// What frames cut to `roi` need of them; `roi` must lie inside.
+SensorMaps crop(const SensorMaps& maps, const Roi& roi);
 
 }  // namespace lsv

@@ -78,6 +78,7 @@ class SelectedSource : public FrameSource {
     has_first_ = true;
     info_.description = stream_->description();
     info_.format = first_.view().format;
+    info_.whole_format = *format_;
     if (time_.is_time()) info_.first_stamp = first_.stamp;
     for (std::string& warning : stream_->warnings()) info_.warnings.push_back(std::move(warning));
     return {};

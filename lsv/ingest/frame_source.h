@@ -16,8 +16,9 @@
 namespace lsv {
 
 struct SourceInfo {
-  std::string description;  // e.g. "PNG sequence", "TIFF stack", "raw mono8 on standard input"
-  FrameFormat format;       // after the ROI is applied
+  std::string description;   // e.g. "PNG sequence", "TIFF stack", "raw mono8 on standard input"
+  FrameFormat format;        // after the ROI is applied
+  FrameFormat whole_format;  // before
   std::optional<std::int64_t> frame_count;  // frames next() will deliver; unknown for pipe, video
   std::int64_t missing_count = 0;           // holes in the numbers of the whole input
   std::optional<Stamp> first_stamp;         // of the frames delivered; unknown without a time base

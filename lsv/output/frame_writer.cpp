@@ -69,10 +69,12 @@ Result<void> write_file(const std::string& path, std::string_view head, const vo
   return file.value().commit();
 }
 
-Result<void> write_png(const FrameView& frame, const std::string& path) {
+Error png_error(int code) { return {ErrorCode::output_failed, spng_strerror(code)}; }
+
+Result<std::string> encode(const FrameView& frame) {
   const std::unique_ptr<spng_ctx, void (*)(spng_ctx*)> context(spng_ctx_new(SPNG_CTX_ENCODER),
                                                                spng_ctx_free);
-  if (!context) return failed(path, spng_strerror(SPNG_EMEM));
+  if (!context) return png_error(SPNG_EMEM);
   const bool wide = frame.format.type == PixelType::mono16;
   spng_ihdr header{};
   header.width = static_cast<std::uint32_t>(frame.width_px());
@@ -91,12 +93,18 @@ Result<void> write_png(const FrameView& frame, const std::string& path) {
     code = spng_encode_image(context.get(), pixels.data(), pixels.size(), SPNG_FMT_PNG,
                              SPNG_ENCODE_FINALIZE);
   }
-  if (code != 0) return failed(path, spng_strerror(code));
+  if (code != 0) return png_error(code);
   std::size_t png_bytes = 0;
   const std::unique_ptr<void, void (*)(void*)> png(
       spng_get_png_buffer(context.get(), &png_bytes, &code), std::free);
-  if (!png) return failed(path, spng_strerror(code));
-  return write_file(path, {}, png.get(), png_bytes);
+  if (!png) return png_error(code);
+  return std::string(static_cast<const char*>(png.get()), png_bytes);
+}
+
+Result<void> write_png(const FrameView& frame, const std::string& path) {
+  const Result<std::string> png = encode(frame);
+  if (!png) return failed(path, png.error().message);
+  return lsv::write_file(path, png.value());
 }
 
 Result<void> write_pgm(const FrameView& frame, const std::string& path) {
@@ -184,6 +192,14 @@ std::string_view extension(FrameFileFormat format) {
     if (entry.format == format) return entry.extension;
   }
   return "";
+}
+
+Result<std::string> encode_png(const FrameView& frame) {
+  try {
+    return encode(frame);
+  } catch (const std::bad_alloc&) {
+    return png_error(SPNG_EMEM);
+  }
 }
 
 Result<void> write_frame(const FrameView& frame, FrameFileFormat format, const std::string& path) {

@@ -28,6 +28,9 @@ std::optional<FrameFileFormat> frame_file_format_from(std::string_view word);
 /// With the dot: ".png", ".pgm", ".tif", ".raw".
 std::string_view extension(FrameFileFormat format);
 
+/// The bytes of a PNG file.
+Result<std::string> encode_png(const FrameView& frame);
+
 Result<void> write_frame(const FrameView& frame, FrameFileFormat format, const std::string& path);
 
 /// A multi-page TIFF, one page a frame. Destroyed without commit(), it leaves nothing behind.

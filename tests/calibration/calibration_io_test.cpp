@@ -106,7 +106,26 @@ Calibration full_calibration() {
   scale.inputs_sha256 = sha256_hex("x");
   c.scale = scale;
   c.format = SensorFormat{.width_px = 128, .height_px = 96, .bit_depth = 8};
-  c.maps = MapsRecord{.file = "maps.npy", .sha256 = sha256_hex("m")};
+  c.maps = MapsRecord{.file = "maps.tif", .sha256 = sha256_hex("m")};
+  c.camera = CameraRecord{.k_counts_per_e = 0.0255,
+                          .sigma_k_counts_per_e = 3e-5,
+                          .dark_noise_e = 19.6,
+                          .sigma_dark_noise_e = 0.04,
+                          .dsnu_e = 194.0,
+                          .sigma_dsnu_e = 1.1,
+                          .prnu_ratio = 0.0201,
+                          .sigma_prnu_ratio = 1e-4,
+                          .saturation_counts = 235.0,
+                          .sigma_saturation_counts = 12.0,
+                          .saturation_e = 8600.0,
+                          .sigma_saturation_e = 450.0,
+                          .saturation_reached = true,
+                          .dark_frames = 50,
+                          .flat_frames = 300,
+                          .flat_levels = 6,
+                          .date = "2026-11-24",
+                          .method = "integrating sphere",
+                          .inputs_sha256 = sha256_hex("f")};
   c.mount = Mount{.x_m = 0.3,
                   .y_m = -0.2,
                   .yaw_rad = 1.5,
@@ -124,7 +143,7 @@ TEST(CalibrationText, ReadsBackTheSameNumbers) {
   const Calibration& r = read.value();
   EXPECT_EQ(r.sensor_name, c.sensor_name);
   EXPECT_EQ(r.sc_x_ratio, c.sc_x_ratio);
-  ASSERT_TRUE(r.scale && r.format && r.maps && r.mount);
+  ASSERT_TRUE(r.scale && r.format && r.maps && r.camera && r.mount);
   EXPECT_EQ(r.scale->orientation.angle_rad, -2.1);
   EXPECT_TRUE(r.scale->orientation.mirrored);
   EXPECT_EQ(r.scale->method, "stage");
@@ -133,7 +152,12 @@ TEST(CalibrationText, ReadsBackTheSameNumbers) {
       EXPECT_NEAR(r.scale->cov[i][j], c.scale->cov[i][j], 1e-20) << i << j;
   }
   EXPECT_EQ(r.format->height_px, 96);
-  EXPECT_EQ(r.maps->file, "maps.npy");
+  EXPECT_EQ(r.maps->file, "maps.tif");
+  EXPECT_EQ(r.camera->k_counts_per_e, 0.0255);
+  EXPECT_EQ(r.camera->sigma_saturation_e, 450.0);
+  EXPECT_TRUE(r.camera->saturation_reached);
+  EXPECT_EQ(r.camera->flat_frames, 300);
+  EXPECT_EQ(r.camera->method, "integrating sphere");
   EXPECT_EQ(r.mount->yaw_rad, 1.5);
   EXPECT_EQ(parse_calibration(calibration_text(r), "c.toml").value().sc_y_ratio, c.sc_y_ratio);
 }
@@ -152,6 +176,14 @@ TEST(CalibrationText, RefusesWhatCannotBe) {
       {"height_m = 0.12", "height_m = nan", "scale.height_m"},
       {"yaw_rad = 1.5\n", "", "mount.yaw_rad is missing"},
       {"[maps]", "[mats]", "unknown key mats"},
+      {"k_counts_per_e = 0.0255", "k_counts_per_e = nan", "emva1288.k_counts_per_e is nan"},
+      {"\nk_counts_per_e = 0.0255", "\nk_counts_per_e = 0", "emva1288.k_counts_per_e is 0 but"},
+      {"sigma_dark_noise_e = 0.04", "sigma_dark_noise_e = 0", "emva1288.sigma_dark_noise_e is 0"},
+      {"prnu_ratio = 0.0201", "prnu_ratio = 2.01", "emva1288.prnu_ratio is 2.01 but must be"},
+      {"saturation_reached = true", "saturation_reached = 1", "saturation_reached must be true"},
+      {"flat_levels = 6", "flat_levels = 6.5", "emva1288.flat_levels must be a whole number"},
+      {"dark_frames = 50\n", "", "the key emva1288.dark_frames is missing"},
+      {"dsnu_e = 194", "dsnu_counts = 5", "unknown key emva1288.dsnu_counts"},
   };
   for (const auto& [from, to, says] : cases) {
     std::string text = good;

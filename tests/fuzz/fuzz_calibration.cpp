@@ -4,6 +4,7 @@
 #include <string>
 
 #include "calibration/calibration_io.h"
+#include "lsv/core/config.h"
 #include "tests/fuzz/frame_checks.h"
 
 using lsv::fuzz::require;

@@ -2,6 +2,7 @@
 // fuzz_seeds FOLDER: writes a corpus for each fuzz target into FOLDER/<target>/.
 #include <cstdio>
 
+#include "calibration/sensor_maps_io.h"
 #include "tests/support/hostile_files.h"
 
 namespace {
@@ -106,6 +107,19 @@ void write_texts(const fs::path& folder) {
   add("option_text", "roi", "0,0,256,256");
 }
 
+void write_sensor_maps(const fs::path& folder) {
+  for (const int side_px : {1, 5, 40}) {
+    lsv::SensorMaps maps{.width_px = side_px, .height_px = side_px + 2};
+    const auto pixels = static_cast<std::size_t>(side_px * (side_px + 2));
+    maps.offset_counts.assign(pixels, 15.5F);
+    maps.gain_ratio.assign(pixels, 1.02F);
+    maps.defect.assign(pixels, 0);
+    maps.defect.back() = 1;
+    lsv::test::write_bytes(folder / "sensor_maps" / ("maps" + std::to_string(side_px)),
+                           lsv::test::bytes_of(lsv::sensor_maps_tiff(maps).value()));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -114,8 +128,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   const fs::path folder = argv[1];
-  for (const char* target :
-       {"image_decode", "tiff_stack", "timestamps", "option_text", "calibration", "csv_table"})
+  for (const char* target : {"image_decode", "tiff_stack", "timestamps", "option_text",
+                             "calibration", "csv_table", "sensor_maps"})
     fs::create_directories(folder / target);
   const fs::path scratch = lsv::test::fresh_folder(folder, "scratch");
   write_images(folder, scratch);
@@ -123,6 +137,7 @@ int main(int argc, char** argv) {
   write_colours(folder);
   write_hostile(folder, scratch);
   write_texts(folder);
+  write_sensor_maps(folder);
   fs::remove_all(scratch);
   return 0;
 }

@@ -59,6 +59,8 @@ TEST(Program, EveryCommandHasHelpWithAnExample) {
   for (const std::vector<std::string>& command : {std::vector<std::string>{"track"},
                                                   {"info"},
                                                   {"simulate", "speckle"},
+                                                  {"simulate", "flat"},
+                                                  {"calibrate", "camera"},
                                                   {"calibrate", "geometry"},
                                                   {"budget"}}) {
     std::vector<std::string> args = command;

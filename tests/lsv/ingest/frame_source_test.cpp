@@ -232,6 +232,8 @@ TEST_F(FrameSourceTest, RoiIsCutOutAndChecked) {
   auto source = open_frames({path("a.pgm")}, options);
   ASSERT_TRUE(source) << source.error().message;
   EXPECT_EQ(source.value()->info().format.width_px, 7);
+  EXPECT_EQ(source.value()->info().whole_format.width_px, 9);
+  EXPECT_EQ(source.value()->info().whole_format.height_px, 7);
   Frame frame;
   ASSERT_TRUE(source.value()->next(frame).value());
   for (int y = 0; y < 4; ++y) {
