@@ -104,7 +104,10 @@ struct IcGn::Fit {
 };
 
 IcGn::IcGn(const FrameFormat& format)
-    : format_(format), scratch_(kernels::residual_scratch_size(format.width_px)) {}
+    : format_(format),
+      scratch_(kernels::residual_scratch_size(format.width_px)),
+      holes_(format),
+      without_holes_(padded_size(format)) {}
 
 kernels::Region IcGn::region_of(int dx_px, int dy_px) const {
   const auto margins = [](int shift_px) {
@@ -125,15 +128,27 @@ kernels::Region IcGn::region_of(int dx_px, int dy_px) const {
           format_.height_px - y.before - y.after};
 }
 
-const kernels::ReferenceSums& IcGn::sums_of(const TrackReference& reference,
-                                            const kernels::Region& region, bool skip_clipped) {
-  Cache& cache = caches_[skip_clipped ? 1 : 0];
-  if (cache.reference != reference.serial() || !(cache.region == region)) {
-    cache.reference = reference.serial();
-    cache.region = region;
-    cache.sums = kernels::reference_sums(reference.planes(skip_clipped), region, scratch_.data());
+IcGn::Compared IcGn::compared_at(const TrackReference& reference, int dx_px, int dy_px,
+                                 bool skip_clipped) {
+  Compared out{
+      .region = region_of(dx_px, dy_px), .planes = reference.planes(skip_clipped), .sums = {}};
+  if (out.region.width_px < kMinRegion_px || out.region.height_px < kMinRegion_px) return out;
+  if (!holes_.empty()) {
+    const kernels::Plane<float> values{without_holes_.data() + kernels::kPadding,
+                                       out.planes.value.stride};
+    holes_.apply(out.planes.value, out.region, dx_px, dy_px, values);
+    out.planes.value = {values.data, values.stride};
+    out.sums = kernels::reference_sums(out.planes, out.region, scratch_.data());
+    return out;
   }
-  return cache.sums;
+  Cache& cache = caches_[skip_clipped ? 1 : 0];
+  if (cache.reference != reference.serial() || !(cache.region == out.region)) {
+    cache.reference = reference.serial();
+    cache.region = out.region;
+    cache.sums = kernels::reference_sums(out.planes, out.region, scratch_.data());
+  }
+  out.sums = cache.sums;
+  return out;
 }
 
 /// One Gauss-Newton step; false when the equations have no solution or too few pixels are left.
@@ -141,9 +156,9 @@ bool IcGn::iterate(const TrackReference& reference, const TrackFrame& later, boo
                    Fit& fit) {
   const int whole_dx = static_cast<int>(std::floor(fit.dx_px));
   const int whole_dy = static_cast<int>(std::floor(fit.dy_px));
-  const kernels::Region region = region_of(whole_dx, whole_dy);
-  if (region.width_px < kMinRegion_px || region.height_px < kMinRegion_px) return false;
-  const kernels::ReferenceSums& s = sums_of(reference, region, skip_clipped);
+  const Compared compared = compared_at(reference, whole_dx, whole_dy, skip_clipped);
+  const kernels::ReferenceSums& s = compared.sums;
+  if (!(s.n > 0.5 * kMinRegion_px * kMinRegion_px)) return false;
 
   const KernelWeights weights_x = reference.kernel_x().weights(fit.dx_px - whole_dx);
   const KernelWeights weights_y = reference.kernel_y().weights(fit.dy_px - whole_dy);
@@ -156,17 +171,16 @@ bool IcGn::iterate(const TrackReference& reference, const TrackFrame& later, boo
       .six_taps = reference.kernel_x().has_six_taps() && reference.kernel_y().has_six_taps(),
       .gain = static_cast<float>(fit.gain),
       .offset_counts = static_cast<float>(fit.offset_counts)};
-  const kernels::ReferencePlanes planes = reference.planes(skip_clipped);
   const kernels::ResidualSums r =
       format_.type == PixelType::mono8
-          ? kernels::residual_sums(planes, later.pixels<std::uint8_t>(), region, warp,
-                                   scratch_.data())
-          : kernels::residual_sums(planes, later.pixels<std::uint16_t>(), region, warp,
-                                   scratch_.data());
+          ? kernels::residual_sums(compared.planes, later.pixels<std::uint8_t>(), compared.region,
+                                   warp, scratch_.data())
+          : kernels::residual_sums(compared.planes, later.pixels<std::uint16_t>(), compared.region,
+                                   warp, scratch_.data());
 
   // Gain and offset are eliminated first; `projected` is what they explain of a product.
   const double det = s.vv * s.n - s.v * s.v;
-  if (!(det > 0.0) || !(s.n > 0.5 * kMinRegion_px * kMinRegion_px)) return false;
+  if (!(det > 0.0)) return false;
   const auto projected = [&](double av, double a1, double bv, double b1) {
     return (s.n * av * bv - s.v * (av * b1 + a1 * bv) + s.vv * a1 * b1) / det;
   };

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "correlation/aligned_buffer.h"
+#include "correlation/hole_mask.h"
 #include "correlation/lag_window.h"
 #include "correlation/peak.h"
 #include "correlation/track_frame.h"
@@ -38,6 +39,9 @@ class IcGn {
   IcGn() = default;
   explicit IcGn(const FrameFormat& format);
 
+  /// Pixels of the sensor that show nothing, row-major; see HoleMask.
+  void set_holes(const std::vector<std::uint8_t>& is_hole) { holes_.set(is_hole); }
+
   /// `peak` must be `ok`: the start, and the shape that the covariance needs. `window` is the one
   /// it was found in.
   Refined refine(const TrackReference& reference, const TrackFrame& later, const Peak& peak,
@@ -51,16 +55,23 @@ class IcGn {
     kernels::ReferenceSums sums;
   };
   struct Fit;
+  /// What is compared at one whole shift.
+  struct Compared {
+    kernels::Region region;
+    kernels::ReferencePlanes planes;
+    kernels::ReferenceSums sums;
+  };
 
   kernels::Region region_of(int dx_px, int dy_px) const;
-  const kernels::ReferenceSums& sums_of(const TrackReference& reference,
-                                        const kernels::Region& region, bool skip_clipped);
+  Compared compared_at(const TrackReference& reference, int dx_px, int dy_px, bool skip_clipped);
   bool iterate(const TrackReference& reference, const TrackFrame& later, bool skip_clipped,
                Fit& fit);
 
   FrameFormat format_;
   AlignedBuffer<float> scratch_;
   Cache caches_[2];  // all pixels, and without those near clipped ones
+  HoleMask holes_;
+  AlignedBuffer<float> without_holes_;  // values of the reference
 };
 
 }  // namespace lsv

@@ -14,18 +14,17 @@ namespace {
 using kernels::kPadding;
 using kernels::Plane;
 
-/// Pixels of a row with room for vectors on both sides.
+// Clipping leaves harmonics that the weights do not pass; they reach about this far.
+constexpr int kClippedReach_px = 3;
+
+}  // namespace
+
 int padded_stride_px(int width_px) { return (width_px + 2 * kPadding + 63) / 64 * 64; }
 
 std::size_t padded_size(const FrameFormat& format) {
   return static_cast<std::size_t>(padded_stride_px(format.width_px)) *
          static_cast<std::size_t>(format.height_px);
 }
-
-// Clipping leaves harmonics that the weights do not pass; they reach about this far.
-constexpr int kClippedReach_px = 3;
-
-}  // namespace
 
 TrackFrame::TrackFrame(const FrameFormat& format)
     : format_(format),

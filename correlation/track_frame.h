@@ -14,6 +14,11 @@
 
 namespace lsv {
 
+/// Pixels of a row with room for vectors on both sides.
+int padded_stride_px(int width_px);
+/// Of all rows.
+std::size_t padded_size(const FrameFormat& format);
+
 /// Owns its memory; allocates at construction only.
 class TrackFrame {
  public:

@@ -33,6 +33,11 @@ class Tracker {
  public:
   Tracker(const FrameFormat& format, Refinement refinement, double noise_sd_counts);
 
+  /// Pixels of the sensor that show nothing, row-major, not 0 where they are; used by IC-GN.
+  void set_holes(const std::vector<std::uint8_t>& is_hole) {
+    if (refinement_ == Refinement::icgn) icgn_.set_holes(is_hole);
+  }
+
   /// Makes `reference` from `frame`, with weights for the speckle size found in it.
   void build(const TrackFrame& frame, TrackReference& reference) const;
 

@@ -48,6 +48,7 @@ KeyframeOdometry::KeyframeOdometry(ShiftMeter meter, FixedPattern fixed_pattern,
       reference_(meter_.make_reference()),
       look_planner_(meter_.format()) {
   for (Slot& slot : slots_) slot.frame = meter_.make_frame();
+  if (!fixed_pattern_.holes().empty()) meter_.set_holes(fixed_pattern_.holes());
 }
 
 KeyframeOdometry::SlotIndex KeyframeOdometry::free_slot() const {
@@ -251,18 +252,22 @@ bool KeyframeOdometry::learn_fixed_pattern(SlotIndex now, const TrackedShift& tr
   const bool is_due = tracked.boiling_ratio > kUnexplained
                           ? look_planner_.is_due_by_change(raw_)
                           : look_planner_.is_due(place.x_px, place.y_px, apart_px);
-  if (!is_due || !fixed_pattern_.look(raw_)) return false;
-  slots_[now].frame.load(fixed_pattern_.corrected(raw_));
-  return true;
+  return is_due && look(now);
 }
 
 /// The optics may be why nothing matches. Frames corrected before and after do not match either, so
 /// the next segment begins at this one.
 void KeyframeOdometry::learn_while_lost(SlotIndex now) {
   if (!fixed_pattern_.learns() || ++frames_lost_ < kLostFrames) return;
-  if (!look_planner_.is_due_by_change(raw_) || !fixed_pattern_.look(raw_)) return;
+  if (look_planner_.is_due_by_change(raw_) && look(now)) begin_segment_at(now);
+}
+
+/// True when the frame has been corrected anew.
+bool KeyframeOdometry::look(SlotIndex now) {
+  if (!fixed_pattern_.look(raw_)) return false;
+  meter_.set_holes(fixed_pattern_.holes());
   slots_[now].frame.load(fixed_pattern_.corrected(raw_));
-  begin_segment_at(now);
+  return true;
 }
 
 /// Rest is a matter of time as well as of distance: whoever creeps leaves the place in the end.

@@ -74,6 +74,7 @@ class KeyframeOdometry {
   bool may_be_held_back(const TrackedShift& tracked, double dx_px, double dy_px) const;
   bool learn_fixed_pattern(SlotIndex now, const TrackedShift& tracked, const Place& place);
   void learn_while_lost(SlotIndex now);
+  bool look(SlotIndex now);
   SlotIndex free_slot() const;
 
   ShiftMeter meter_;

@@ -26,6 +26,9 @@ class ShiftMeter {
   ShiftStatus fitness(const TrackFrame& frame) const;
   bool frozen(const TrackFrame& earlier, const TrackFrame& later) const;
 
+  /// See Tracker.
+  void set_holes(const std::vector<std::uint8_t>& is_hole) { tracker_.set_holes(is_hole); }
+
   void build(const TrackFrame& frame, TrackReference& reference) const {
     tracker_.build(frame, reference);
   }

@@ -141,6 +141,23 @@ TEST(FixedPattern, DirtIsLearnedAndTakenOut) {
   }
 }
 
+// What lets nothing through is left out of the comparison: once it is known, no error is left.
+TEST(FixedPattern, OpaqueDirtIsLeftOut) {
+  sim::SpeckleConfig config{.seed = 41};
+  config.sensor.dirt_share = 0.1;
+  config.sensor.dirt_transmission = 0.0;
+  TrackConfig track = test::bridget_config();
+  const Drive start = drive(config, track, 100);
+  const Drive whole = drive(config, track, 600);
+  const double after_percent =
+      (600.0 * whole.distance_error_percent - 100.0 * start.distance_error_percent) / 500.0;
+  std::printf("opaque dirt over 10 %%: distance error %.4f %%, after the first 100 px %.5f %%\n",
+              whole.distance_error_percent, after_percent);
+  EXPECT_LE(std::abs(whole.distance_error_percent), 0.2);
+  EXPECT_LE(std::abs(after_percent), 0.005);
+  EXPECT_NEAR(whole.static_share, 0.1, 0.02);
+}
+
 // A border that never changes matches itself at rest, more strongly than the ground matches
 // anywhere.
 TEST(FixedPattern, ABrightBorderHoldsTheMotionBackForAMomentAndSaysSo) {
