@@ -387,7 +387,8 @@ void add_options(CLI::App& command, SimulateOptions& o) {
 }  // namespace
 
 void add_simulate_command(CLI::App& app, int& exit_code) {
-  CLI::App* simulate_group = app.add_subcommand("simulate", "Make frames whose motion is known");
+  CLI::App* simulate_group =
+      app.add_subcommand("simulate", "Make frames or tracks whose motion is known");
   simulate_group->require_subcommand(1);
   CLI::App* speckle = simulate_group->add_subcommand("speckle",
                                                      "Laser speckle that moves in its "
@@ -396,6 +397,7 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<SimulateOptions>();
   add_options(*speckle, *options);
   speckle->callback([speckle, options, &exit_code] { exit_code = run(*speckle, *options); });
+  add_simulate_tracks(*simulate_group, exit_code);
 }
 
 }  // namespace lsv::cli
