@@ -21,7 +21,9 @@ enum class Stream : std::uint32_t {
   shot_noise = 3,
   profile = 4,
   sensor_pattern = 5,
-  flat_field = 6
+  flat_field = 6,
+  reference_pose = 7,
+  sensor_track = 8
 };
 
 using PhiloxWords = std::array<std::uint32_t, 4>;

@@ -6,10 +6,11 @@ namespace lsv::cli {
 
 void add_calibrate_command(CLI::App& app, int& exit_code) {
   CLI::App* const calibrate = app.add_subcommand(
-      "calibrate", "Find the scale from px to metres, and what the camera does to light");
+      "calibrate", "Find scale, camera and mount of a sensor, and what noise to expect");
   calibrate->require_subcommand(1);
   add_calibrate_camera(*calibrate, exit_code);
   add_calibrate_geometry(*calibrate, exit_code);
+  add_calibrate_mount(*calibrate, exit_code);
   add_calibrate_scale(*calibrate, exit_code);
 }
 

@@ -32,10 +32,12 @@ void add_track_command(CLI::App& app, int& exit_code);
 /// Below `lsv calibrate`.
 void add_calibrate_camera(CLI::App& calibrate, int& exit_code);
 void add_calibrate_geometry(CLI::App& calibrate, int& exit_code);
+void add_calibrate_mount(CLI::App& calibrate, int& exit_code);
 void add_calibrate_scale(CLI::App& calibrate, int& exit_code);
 
 /// Below `lsv simulate`.
 void add_simulate_flat(CLI::App& simulate, int& exit_code);
 void add_simulate_speckle(CLI::App& simulate, int& exit_code);
+void add_simulate_tracks(CLI::App& simulate, int& exit_code);
 
 }  // namespace lsv::cli

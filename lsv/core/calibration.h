@@ -11,8 +11,8 @@
 
 namespace lsv {
 
-/// From the shift of the pattern to the travel of the ground (eqs 3.8 and 3.9 of the Masuku thesis,
-/// with orientation):
+/// From the shift of the pattern to the travel over the ground (eqs 3.8 and 3.9 of the Masuku
+/// thesis, with orientation):
 ///   travel_m = kx (cos a, sin a) dx_px + m ky (-sin(a + k), cos(a + k)) dy_px
 /// with kx = pixel_pitch_x_m / sc_x_ratio, ky likewise, a = angle_rad, k = skew_rad, and m = -1
 /// when mirrored, else 1. With a = k = 0 the travel is along the image axes.

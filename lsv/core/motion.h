@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Metric motion of the surface under the sensor, in SENSOR axes: x along image columns and y along
+// Metric motion of the sensor over the ground, in SENSOR axes: x along image columns and y along
 // image rows, or the reference axes of the calibration where it has them. The mount (sensor to body
 // axes, REP-103) is a later, separate type, so that it cannot be forgotten.
 #pragma once
