@@ -5,12 +5,14 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "calibration/robust.h"
 
 namespace lsv {
 namespace {
 
 constexpr int kReach_px = 3;
-constexpr double kMadToSigma = 1.482602218505602;
 constexpr double kQuantisationVariance_counts2 = 1.0 / 12.0;
 // A pixel that sits on the edge between two counts changes between them with this variance.
 constexpr double kEdgeVariance_counts2 = 0.25;
@@ -18,16 +20,10 @@ constexpr double kLeastResponse_ratio = 0.1;
 // Offset and response may stand out to either side, the noise to one.
 constexpr double kTails = 5.0;
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Of deviations about 0.
 double robust_sigma(std::vector<double> deviations) {
   for (double& value : deviations) value = std::abs(value);
-  return kMadToSigma * median(std::move(deviations));
+  return sigma_of_median(median(std::move(deviations)));
 }
 
 /// Where one tail of the normal distribution holds `probability`.

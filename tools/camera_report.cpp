@@ -8,6 +8,7 @@
 #include "lsv/output/number_text.h"
 #include "lsv/output/svg.h"
 #include "tools/camera_plots.h"
+#include "tools/html_page.h"
 
 namespace lsv::cli {
 namespace {
@@ -97,28 +98,6 @@ ordered_json to_json(const LightLevel& level) {
           {"saturated", level.saturated},
           {"used_for_k", level.used}};
 }
-
-constexpr const char* kHead =
-    "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-    "<title>lsv calibrate camera</title>\n"
-    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
-    "style-src 'unsafe-inline'\">\n"
-    "<style>\n"
-    ":root{color-scheme:light dark}\n"
-    "body{font:15px/1.5 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}\n"
-    "h1{font-size:1.5em;margin-bottom:.2em}h2{font-size:1.15em;margin-top:2em}\n"
-    "table{border-collapse:collapse}td,th{padding:.2em .8em;text-align:right;"
-    "border-bottom:1px solid #8885;font-variant-numeric:tabular-nums}\n"
-    "td:first-child,th:first-child{text-align:left}\n"
-    ".figures td:nth-child(2),.figures th:nth-child(2),.figures td:last-child{text-align:left}\n"
-    "figure{margin:1em 0;overflow-x:auto}figcaption{color:#7b838d;font-size:.9em}\n"
-    "figure svg{max-width:100%;height:auto}\n"
-    ".maps{display:flex;flex-wrap:wrap;gap:1em}.map{margin:0}\n"
-    ".map img{width:18em;image-rendering:pixelated;border:1px solid #8885;display:block}\n"
-    ".warning{border-left:3px solid #d9542b;padding-left:.7em;margin:.5em 0}\n"
-    ".quiet{color:#7b838d}\n"
-    "</style></head><body>\n";
 
 std::string cell(const std::string& words) { return "<td>" + escaped(words) + "</td>"; }
 
@@ -228,8 +207,8 @@ std::string camera_json(const CameraReport& report) {
 std::string camera_html(const CameraReport& report) {
   const CameraCharacterisation& camera = report.camera;
   const CameraRecord& record = *report.calibration.camera;
-  std::string out = kHead;
-  out += "<h1>Camera of " + escaped(report.calibration.sensor_name) + "</h1>\n<p class=\"quiet\">";
+  std::string out =
+      "<h1>Camera of " + escaped(report.calibration.sensor_name) + "</h1>\n<p class=\"note\">";
   if (!record.date.empty()) out += escaped(record.date) + ", ";
   out += escaped(record.method) +
          formatted(", %d x %d px, %d bit, %d dark frames, %d lit ones at %d levels. ",
@@ -251,8 +230,8 @@ std::string camera_html(const CameraReport& report) {
                    100.0 * camera.light_range_ratio);
   out += offset_histogram(camera) + gain_histogram(camera);
   out += "<p>" + escaped(limits_text(camera.defects.limits)) +
-         " Found: " + escaped(defects_text(camera.defects)) + ".</p>\n</body></html>\n";
-  return out;
+         " Found: " + escaped(defects_text(camera.defects)) + ".</p>\n";
+  return html_page("lsv calibrate camera", out);
 }
 
 }  // namespace lsv::cli

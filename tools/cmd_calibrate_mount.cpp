@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "calibration/calibration_io.h"
+#include "calibration/sensor_maps_io.h"
 #include "lsv/ingest/option_text.h"
 #include "lsv/output/output_file.h"
 #include "tools/body_reference.h"
@@ -294,7 +295,8 @@ Result<void> write_outputs(const MountTask& task, const MountReport& report) {
   if (Result<void> done = write_file(task.beside("mount.json"), mount_json(report)); !done)
     return done;
   for (const MountedSensor& sensor : report.sensors) {
-    const std::string text = calibration_text(sensor.calibration);
+    const std::string text = calibration_text(
+        with_maps_seen_from(task.command.output, sensor.calibration, sensor.calibration_file));
     if (const Result<Calibration> read = parse_calibration(text, sensor.output_file); !read)
       return read.error();
     if (Result<void> done = write_file(sensor.output_file, text); !done) return done;

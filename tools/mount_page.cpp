@@ -7,6 +7,7 @@
 
 #include "lsv/output/number_text.h"
 #include "lsv/output/svg.h"
+#include "tools/html_page.h"
 #include "tools/mount_drawing.h"
 
 namespace lsv::cli {
@@ -14,19 +15,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMm = 1e3;
-
-constexpr const char* kHead =
-    "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
-    "'unsafe-inline'\">\n"
-    "<title>lsv calibrate mount</title>\n"
-    "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-    "<style>body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;"
-    "color-scheme:light dark}table{border-collapse:collapse;margin:1em 0}td,th{padding:.25em .8em;"
-    "text-align:right;white-space:nowrap;border-bottom:1px solid "
-    "#8885}td:first-child,th:first-child{text-align:left}"
-    "figure{margin:1em 0;overflow-x:auto}.warning{color:#d9542b}.note{opacity:.75}"
-    "</style></head><body>\n";
 
 std::string cells(const char* tag, std::initializer_list<std::string> words) {
   std::string out = "<tr>";
@@ -136,15 +124,15 @@ std::string sensor_section(const MountedSensor& sensor) {
 }  // namespace
 
 std::string mount_html(const MountReport& report) {
-  std::string out = kHead;
-  out += "<h1>Mount of the sensors</h1>\n<p>Reference " + escaped(report.reference_file) +
-         ", SHA-256 " + escaped(report.reference_sha256.substr(0, 16)) + ".</p>\n";
+  std::string out = "<h1>Mount of the sensors</h1>\n<p>Reference " +
+                    escaped(report.reference_file) + ", SHA-256 " +
+                    escaped(report.reference_sha256.substr(0, 16)) + ".</p>\n";
   for (const std::string& warning : mount_warnings(report))
     out += "<p class=\"warning\">" + escaped(warning) + "</p>\n";
   out += sensors_table(report) + "<figure>" + vehicle_svg(report) + "</figure>\n" +
          pairs_table(report) + checks_table(report);
   for (const MountedSensor& sensor : report.sensors) out += sensor_section(sensor);
-  return out + "</body></html>\n";
+  return html_page("lsv calibrate mount", out);
 }
 
 }  // namespace lsv::cli

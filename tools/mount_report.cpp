@@ -68,10 +68,6 @@ void add_fit_warnings(const MountedSensor& sensor, std::vector<std::string>& out
                   "its x axis points backwards: right if it is mounted so; otherwise its "
                   "calibration counts the travel of the ground and not of the vehicle");
   }
-  if (sensor.calibration.maps) {
-    out.push_back(name + "the calibration names " + sensor.calibration.maps->file +
-                  ", which must be copied beside the new one");
-  }
 }
 
 ordered_json known(double value) {

@@ -8,6 +8,7 @@
 
 #include "lsv/output/number_text.h"
 #include "lsv/output/svg.h"
+#include "tools/html_page.h"
 
 namespace lsv::cli {
 namespace {
@@ -156,19 +157,10 @@ std::string scale_text(const ScaleReport& report) {
 
 std::string scale_html(const ScaleReport& report) {
   const ScaleRecord& record = *report.calibration.scale;
-  std::string out =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<title>lsv calibrate scale</title>\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<style>body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;"
-      "color-scheme:light dark}table{border-collapse:collapse}td,th{padding:.2em .8em;"
-      "text-align:right;border-bottom:1px solid "
-      "#8885}td:first-child,th:first-child{text-align:left}"
-      "figure{margin:1em 0;overflow-x:auto}.warning{color:#d9542b}</style></head><body>\n";
-  out += "<h1>Scale of " + escaped(report.calibration.sensor_name) + "</h1>\n<p>" +
-         escaped(record.date) + ", " + escaped(record.method) +
-         formatted(", height %.4g m. ", record.height_m) + "Inputs " +
-         escaped(record.inputs_sha256.substr(0, 16)) + ".</p>\n";
+  std::string out = "<h1>Scale of " + escaped(report.calibration.sensor_name) + "</h1>\n<p>" +
+                    escaped(record.date) + ", " + escaped(record.method) +
+                    formatted(", height %.4g m. ", record.height_m) + "Inputs " +
+                    escaped(record.inputs_sha256.substr(0, 16)) + ".</p>\n";
   for (const std::string& remark : remarks(report))
     out += "<p class=\"warning\">" + escaped(remark) + "</p>\n";
   out += "<table><tr><th>figure</th><th>value</th><th>sigma</th></tr>\n";
@@ -194,8 +186,8 @@ std::string scale_html(const ScaleReport& report) {
   out +=
       "</table>\n<p>Residual: reference less fit at the end of a run. Left out: what the other "
       "runs "
-      "say of it, in sigmas.</p>\n</body></html>\n";
-  return out;
+      "say of it, in sigmas.</p>\n";
+  return html_page("lsv calibrate scale", out);
 }
 
 }  // namespace lsv::cli
