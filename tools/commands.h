@@ -31,6 +31,7 @@ void add_track_command(CLI::App& app, int& exit_code);
 
 /// Below `lsv calibrate`.
 void add_calibrate_geometry(CLI::App& calibrate, int& exit_code);
+void add_calibrate_noise(CLI::App& calibrate, int& exit_code);
 void add_calibrate_scale(CLI::App& calibrate, int& exit_code);
 
 }  // namespace lsv::cli
