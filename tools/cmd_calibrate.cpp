@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `lsv calibrate`: the parent of the commands that find what is written into a calibration.
+// `lsv calibrate`: the parent of the commands that find what a calibration holds, and what to
+// expect of it.
 #include "tools/commands.h"
 
 namespace lsv::cli {
@@ -11,6 +12,7 @@ void add_calibrate_command(CLI::App& app, int& exit_code) {
   add_calibrate_camera(*calibrate, exit_code);
   add_calibrate_geometry(*calibrate, exit_code);
   add_calibrate_mount(*calibrate, exit_code);
+  add_calibrate_noise(*calibrate, exit_code);
   add_calibrate_scale(*calibrate, exit_code);
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `lsv calibrate geometry`: what the optics say about the scale, before anything is measured.
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <string>
@@ -9,6 +8,7 @@
 #include "lsv/output/output_file.h"
 #include "tools/commands.h"
 #include "tools/geometry_report.h"
+#include "tools/number_option.h"
 #include "tools/size_option.h"
 
 namespace lsv::cli {
@@ -50,29 +50,6 @@ struct GeometryOptions {
 };
 
 Error usage(std::string message) { return {ErrorCode::invalid_argument, std::move(message)}; }
-
-/// An option that is a number: where its value in SI units goes, and what it may be as typed. The
-/// ranges are wide; they are there to catch a value in the wrong unit.
-struct Number {
-  const char* name;
-  double typed;
-  double si_per_typed;
-  double least;
-  double most;
-  double* si;
-};
-
-Result<void> take(const CLI::App& command, const Number& number) {
-  if (command.count(number.name) == 0) return {};
-  if (!(number.typed >= number.least && number.typed <= number.most)) {
-    char range[96];
-    std::snprintf(range, sizeof range, " is %.6g but must be between %.6g and %.6g", number.typed,
-                  number.least, number.most);
-    return usage(number.name + std::string(range));
-  }
-  *number.si = number.typed * number.si_per_typed;
-  return {};
-}
 
 /// The optics: no lens, or an image.
 Result<void> check_model(const CLI::App& command) {
@@ -116,7 +93,7 @@ Result<GeometryInput> geometry_input(const CLI::App& command, const GeometryOpti
     return usage("--measured-sc-sigma needs --measured-sc");
   GeometryInput in;
   in.sigma_px = o.sigma_px;
-  const Number numbers[] = {
+  const NumberOption numbers[] = {
       {"--source-distance-m", o.source_distance_m, 1.0, 1e-4, 1e4, &in.distances.source_distance_m},
       {"--sensor-distance-m", o.sensor_distance_m, 1.0, 1e-4, 10.0,
        &in.distances.sensor_distance_m},
@@ -131,7 +108,7 @@ Result<GeometryInput> geometry_input(const CLI::App& command, const GeometryOpti
       {"--sigma-px", o.sigma_px, 1.0, 0.0, 1e3, &in.sigma_px},
       {"--measured-sc", o.measured_sc, 1.0, 1e-4, 1e3, &in.measured_sc_ratio},
       {"--measured-sc-sigma", o.measured_sc_sigma, 1.0, 0.0, 1e3, &in.measured_sc_sigma_ratio}};
-  for (const Number& number : numbers) {
+  for (const NumberOption& number : numbers) {
     if (auto taken = take(command, number); !taken) return taken.error();
   }
   if (o.collimated) in.distances.source_distance_m = kInfinity;

@@ -33,6 +33,7 @@ void add_track_command(CLI::App& app, int& exit_code);
 void add_calibrate_camera(CLI::App& calibrate, int& exit_code);
 void add_calibrate_geometry(CLI::App& calibrate, int& exit_code);
 void add_calibrate_mount(CLI::App& calibrate, int& exit_code);
+void add_calibrate_noise(CLI::App& calibrate, int& exit_code);
 void add_calibrate_scale(CLI::App& calibrate, int& exit_code);
 
 /// Below `lsv simulate`.

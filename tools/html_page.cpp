@@ -18,6 +18,11 @@ constexpr const char* kStyle =
     "figure svg{max-width:100%;height:auto}\n"
     ".maps{display:flex;flex-wrap:wrap;gap:1em}.map{margin:0}\n"
     ".map img{width:18em;image-rendering:pixelated;border:1px solid #8885;display:block}\n"
+    ".plots{display:grid;gap:1em;grid-template-columns:repeat(auto-fit,minmax(26em,1fr))}\n"
+    ".plots svg{width:100%;height:auto}.scroll{overflow-x:auto}\n"
+    ".tiles{display:flex;flex-wrap:wrap;gap:1em 3em;margin:1.5em 0}\n"
+    ".tiles b{display:block;font-size:1.7em;font-weight:600}\n"
+    ".best td{font-weight:600;background:#2f80ed22}\n"
     ".warning{border-left:3px solid #d9542b;padding-left:.7em;margin:.5em 0}\n";
 
 }  // namespace

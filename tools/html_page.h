@@ -8,7 +8,8 @@
 namespace lsv::cli {
 
 /// `title` is plain text, `body` is markup. Classes with a style: warning, note, figures (a table
-/// with words in its second and last column), maps and map (pictures of pixels side by side).
+/// with words in its second and last column), best (a row of a table), maps and map (pictures of
+/// pixels side by side), plots (drawings side by side), tiles (key figures in b), scroll.
 std::string html_page(const std::string& title, const std::string& body);
 
 }  // namespace lsv::cli
