@@ -11,7 +11,7 @@ constexpr const char* kStyle =
     "body{font:15px/1.5 sans-serif;max-width:62em;margin:2em auto;padding:0 1em}\n"
     "h1{font-size:1.5em;margin-bottom:.2em}h2{font-size:1.15em;margin-top:2em}\n"
     "table{border-collapse:collapse;margin:1em 0}td,th{padding:.2em .8em;text-align:right;"
-    "white-space:nowrap;border-bottom:1px solid #8885;font-variant-numeric:tabular-nums}\n"
+    "border-bottom:1px solid #8885;font-variant-numeric:tabular-nums}td{white-space:nowrap}\n"
     "td:first-child,th:first-child{text-align:left}\n"
     ".figures td:nth-child(2),.figures th:nth-child(2),.figures td:last-child{text-align:left}\n"
     "figure{margin:1em 0;overflow-x:auto}figcaption,.note{color:#7b838d;font-size:.9em}\n"

@@ -30,8 +30,8 @@ struct Summary {
   SensorPosition end;                // unknown when there was no frame
   double mean_speed_m_s = kUnknown;  // path length over the time of accepted shifts
   double max_speed_m_s = kUnknown;
-  double mean_zncc = kUnknown;  // of accepted shifts
-  double median_q = kUnknown;   // of accepted shifts, within 0.5 %
+  double mean_zncc = kUnknown;     // of accepted shifts
+  double median_q = kUnknown;      // of accepted shifts, within 0.5 %
   double static_share = kUnknown;  // as last known, see StepReport
   bool interrupted = false;
 };
