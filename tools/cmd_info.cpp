@@ -9,6 +9,7 @@
 
 #include "lsv/ingest/frame_source.h"
 #include "lsv/output/number_text.h"
+#include "tools/camera_list.h"
 #include "tools/commands.h"
 #include "tools/settings.h"
 #include "tools/track_settings.h"
@@ -134,6 +135,8 @@ Result<void> describe(InfoCommand& command) {
           command.settings.resolve("", Settings::Variables::some_of_other_commands);
       !resolved)
     return resolved;
+  if (command.frames.size() == 1 && command.frames.front() == "genicam:")
+    return print_cameras(command.json);
   command.source.need_time = false;
   Result<std::unique_ptr<FrameSource>> source = open_frames(command.frames, command.source);
   if (!source) return source.error();
@@ -159,7 +162,10 @@ void add_info_command(CLI::App& app, int& exit_code) {
   sub->add_option("FRAMES", command->frames, kFramesHelp)->required();
   sub->add_flag("--json", command->json, "Print one JSON object");
   add_source_settings(*sub, command->settings, command->source);
-  sub->footer("Example:\n  lsv info sample_frames/drive_png --rate-hz 1000");
+  sub->footer(
+      "Example:\n"
+      "  lsv info sample_frames/drive_png --rate-hz 1000\n"
+      "  lsv info genicam:            (the GenICam cameras that answer)");
   sub->callback([command, &exit_code] {
     const Result<void> described = describe(*command);
     exit_code = described ? kExitOk : report_error(described.error());

@@ -13,6 +13,7 @@
 
 #include "lsv/camera/genicam_setup.h"
 #include "lsv/camera/glib_handles.h"
+#include "lsv/camera/host_time.h"
 #include "lsv/camera/mono_format.h"
 
 namespace lsv {
@@ -27,18 +28,6 @@ constexpr int kGonePeriods = 5;
 constexpr auto kCloseWithin = std::chrono::milliseconds(300);
 /// The kernel gives what net.core.rmem_max allows.
 constexpr int kSocketBuffer_bytes = 1 << 22;
-
-std::int64_t monotonic_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-std::int64_t wall_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 /// Aravis stamps the first packet with the wall clock, which may be set between then and now: an
 /// age that cannot be is none.

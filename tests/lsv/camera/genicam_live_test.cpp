@@ -360,6 +360,8 @@ TEST_F(GenicamLive, CamerasAreFoundByNameToo) {
   EXPECT_EQ(cameras[0].id, "Aravis-Fake-LSV77");
   EXPECT_EQ(cameras[0].address, "127.0.0.1");
   EXPECT_EQ(cameras[0].protocol, "GigEVision");
+  const test::ProgramResult listed = test::run_program({LSV_PROGRAM, "info", "genicam:"});
+  EXPECT_EQ(listed.out, "genicam:Aravis-Fake-LSV77  Aravis Fake LSV77, GigEVision, 127.0.0.1\n");
   auto source = open_genicam("LSV77", {});
   EXPECT_TRUE(source) << source.error().message;
   auto other = open_genicam("LSV78", {});
