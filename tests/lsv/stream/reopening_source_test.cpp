@@ -25,6 +25,8 @@ struct Cable {
   std::atomic<bool> plugged{true};
   std::atomic<bool> silent{false};  // unplugged cameras do not fail, they say nothing
   std::atomic<bool> blocks{false};  // opening one takes for ever
+  std::atomic<int> failures{0};     // that many attempts to open one will fail
+  std::atomic<int> hiccups{0};      // that many times a camera fails although plugged
   std::atomic<int> cameras{0};      // open now
   std::atomic<int> attempts{0};
 };
@@ -45,6 +47,10 @@ class CableCamera : public LiveSource {
     std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(timeout_ns, 500'000L)));
     if (!cable_->plugged) {
       if (cable_->silent) return Grab::nothing;
+      return Error{ErrorCode::bad_input, "control lost"};
+    }
+    if (cable_->hiccups > 0) {
+      --cable_->hiccups;
       return Error{ErrorCode::bad_input, "control lost"};
     }
     const FrameView picture = test::loop().frame(next_);
@@ -70,6 +76,10 @@ ReopeningSource::Factory factory(const std::shared_ptr<Cable>& cable) {
   return [cable]() -> Result<std::unique_ptr<LiveSource>> {
     ++cable->attempts;
     while (cable->blocks) std::this_thread::sleep_for(milliseconds(1));
+    if (cable->failures > 0) {
+      --cable->failures;
+      return Error{ErrorCode::bad_input, "no camera there"};
+    }
     if (!cable->plugged && !cable->silent) return Error{ErrorCode::bad_input, "no camera there"};
     return std::unique_ptr<LiveSource>(std::make_unique<CableCamera>(cable));
   };
@@ -122,6 +132,8 @@ TEST(ReopeningSource, FollowsAHundredUnplugsWithoutALeak) {
       EXPECT_GE(stream->health().restarts, 100);
       EXPECT_GE(stream->health().transport_losses, 7 * 101) << "of all the cameras there were";
       test::expect_balanced(stream->health());
+      EXPECT_EQ(test::rejected(stream->health(), FrameRejection::late), 0);
+      EXPECT_EQ(test::rejected(stream->health(), FrameRejection::duplicate), 0);
     }
     EXPECT_EQ(cable->cameras, 0);
     EXPECT_EQ(open_files(), files_before);
@@ -134,20 +146,32 @@ TEST(ReopeningSource, FollowsAHundredUnplugsWithoutALeak) {
   }
 }
 
+// Every frame refills it, so trouble may come any number of times.
 TEST(ReopeningSource, GivesUpWhenItsBudgetIsSpent) {
   const auto cable = std::make_shared<Cable>();
   test::KeepingSink sink;
   auto stream = Stream::start(ReopeningSource::open(factory(cable), kQuick).value(),
                               test::loop_config(), {}, {&sink})
                     .value();
+  for (int cycle = 0; cycle < 5; ++cycle) {
+    const std::int64_t received = stream->health().received;
+    ASSERT_TRUE(soon([&] { return stream->health().received > received; })) << cycle;
+    cable->failures = kQuick.attempts - 1;
+    cable->hiccups = 1;
+    ASSERT_TRUE(soon([&] { return stream->health().restarts == cycle + 1; })) << cycle;
+  }
+  const std::int64_t received = stream->health().received;
+  ASSERT_TRUE(soon([&] { return stream->health().received > received; }));
+  EXPECT_FALSE(stream->finished());
+  const int attempts = cable->attempts;
   cable->plugged = false;
   ASSERT_TRUE(soon([&] { return stream->finished(); }));
   EXPECT_EQ(stream->health().state, StreamState::degraded);
-  EXPECT_EQ(cable->attempts, 1 + 4);
+  EXPECT_EQ(cable->attempts, attempts + kQuick.attempts);
   ASSERT_EQ(sink.count("source_failed"), 1);
-  EXPECT_NE(sink.events.back().text.find("given up after 4 attempts"), std::string::npos)
-      << sink.events.back().text;
-  EXPECT_NE(sink.events.back().text.find("no camera there"), std::string::npos);
+  const std::string why = sink.text("source_failed");
+  EXPECT_NE(why.find("given up after 4 attempts"), std::string::npos) << why;
+  EXPECT_NE(why.find("no camera there"), std::string::npos) << why;
 }
 
 // It opens every time and never sends anything.

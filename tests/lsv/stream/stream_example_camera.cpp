@@ -12,8 +12,8 @@ lsv::Result<std::unique_ptr<lsv::LiveSource>> open_camera() {
   constexpr std::int64_t kFrames = 40;
   static std::vector<lsv::Frame> frames;
   for (std::int64_t k = 0; k < kFrames; ++k) {
-    frames.push_back(kPattern.frame({.width_px = 64, .height_px = 64},
-                                    2.0 * static_cast<double>(k), 0.0, 60.0));
+    frames.push_back(
+        kPattern.frame({.width_px = 64, .height_px = 64}, 2.0 * static_cast<double>(k), 0.0, 60.0));
   }
   return std::unique_ptr<lsv::LiveSource>(std::make_unique<lsv::PacedSource>(
       [](std::int64_t k) { return frames[static_cast<std::size_t>(k)].view(); },

@@ -168,7 +168,7 @@ TEST(StreamPipeline, SilenceIsToldOnceWithin100msAndSoIsItsEnd) {
   for (const StreamEvent& event : bench.sink.events) {
     const std::int64_t since_last_ns = event.host_ns - good_label(99).arrival_ns;
     if (event.name == "source_lost") {
-      EXPECT_LE(since_last_ns, 100'000'000);
+      EXPECT_LE(since_last_ns, 91'000'000);
       EXPECT_GE(since_last_ns, 90'000'000);
     }
   }
@@ -184,7 +184,7 @@ TEST(StreamPipeline, ASourceThatFailsDegradesTheStream) {
   EXPECT_EQ(bench.sink.reports.size(), 20U) << "what came before is measured";
   EXPECT_EQ(bench.pipeline->health().state, StreamState::degraded);
   ASSERT_EQ(bench.sink.count("source_failed"), 1);
-  EXPECT_NE(bench.sink.events.back().text.find("the cable was pulled"), std::string::npos);
+  EXPECT_NE(bench.sink.text("source_failed").find("the cable was pulled"), std::string::npos);
   EXPECT_EQ(bench.sink.healths.back().state, StreamState::degraded);
 }
 

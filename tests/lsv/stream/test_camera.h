@@ -136,6 +136,12 @@ struct KeepingSink : StreamSink {
   void on_event(const StreamEvent& event) override { events.push_back(event); }
   void on_health(const HealthSnapshot& health) override { healths.push_back(health); }
 
+  /// Of the last event of that name.
+  std::string text(const std::string& name) const {
+    std::string out;
+    for (const StreamEvent& event : events) out = event.name == name ? event.text : out;
+    return out;
+  }
   std::int64_t count(const std::string& name) const {
     return std::count_if(events.begin(), events.end(),
                          [&](const StreamEvent& event) { return event.name == name; });
