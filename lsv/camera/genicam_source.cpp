@@ -13,8 +13,8 @@
 
 #include "lsv/camera/genicam_setup.h"
 #include "lsv/camera/glib_handles.h"
-#include "lsv/camera/host_time.h"
 #include "lsv/camera/mono_format.h"
+#include "lsv/stream/host_clock.h"
 
 namespace lsv {
 namespace {
@@ -29,12 +29,18 @@ constexpr auto kCloseWithin = std::chrono::milliseconds(300);
 /// The kernel gives what net.core.rmem_max allows.
 constexpr int kSocketBuffer_bytes = 1 << 22;
 
+std::int64_t wall_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
 /// Aravis stamps the first packet with the wall clock, which may be set between then and now: an
 /// age that cannot be is none.
 std::int64_t arrival_ns(std::uint64_t first_packet_wall_ns) {
   constexpr std::int64_t kOldest_ns = 10 * kNsPerS;
   const std::int64_t age_ns = wall_ns() - static_cast<std::int64_t>(first_packet_wall_ns);
-  return monotonic_ns() - (age_ns >= 0 && age_ns <= kOldest_ns ? age_ns : 0);
+  return host_now_ns() - (age_ns >= 0 && age_ns <= kOldest_ns ? age_ns : 0);
 }
 
 /// How the pixels of a frame lie in the buffer of the driver, from its beginning.
@@ -116,11 +122,11 @@ class GenicamSource : public LiveSource {
   const LiveSourceInfo& info() const override { return info_; }
 
   Result<Grab> grab(Frame& out, FrameLabel& label, std::int64_t timeout_ns) override {
-    std::int64_t now_ns = monotonic_ns();
+    std::int64_t now_ns = host_now_ns();
     const std::int64_t deadline_ns = now_ns + std::max<std::int64_t>(timeout_ns, 0);
     while (!stopped_) {
       ArvBuffer* const buffer = pop(std::min(deadline_ns - now_ns, kWaitPiece_ns));
-      now_ns = monotonic_ns();
+      now_ns = host_now_ns();
       if (buffer != nullptr) {
         const bool delivered = take(buffer, out, label);
         recycle(buffer);
@@ -173,7 +179,7 @@ class GenicamSource : public LiveSource {
                      session_.get());
     arv_camera_start_acquisition(device, error.out());
     if (error) return failure("the acquisition does not start", error);
-    last_frame_ns_ = monotonic_ns();
+    last_frame_ns_ = host_now_ns();
     return {};
   }
 

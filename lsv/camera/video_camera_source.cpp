@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "lsv/camera/frame_mailbox.h"
-#include "lsv/camera/host_time.h"
+#include "lsv/stream/host_clock.h"
 
 namespace lsv {
 namespace {
@@ -45,7 +45,7 @@ struct Capture {
 
 void capture_frames(Capture& capture, bool driver_stamps) {
   for (std::uint64_t id = 0; !capture.stop && capture.video.grab(); ++id) {
-    const std::int64_t arrival_ns = monotonic_ns();
+    const std::int64_t arrival_ns = host_now_ns();
     MailedImage* const place = capture.mailbox.free_place();
     if (place == nullptr) {
       ++capture.lost;
@@ -121,7 +121,7 @@ class VideoCameraSource : public LiveSource {
 
   Result<Grab> grab(Frame& out, FrameLabel& label, std::int64_t timeout_ns) override {
     const MailedImage* const mail = capture_->mailbox.wait(std::max<std::int64_t>(timeout_ns, 0));
-    const std::int64_t now_ns = monotonic_ns();
+    const std::int64_t now_ns = host_now_ns();
     if (mail == nullptr) return without_frame(now_ns);
     last_frame_ns_ = now_ns;
     label = mail->label;
@@ -202,7 +202,7 @@ class VideoCameraSource : public LiveSource {
                          std::to_string(asked.width_px) + "x" + std::to_string(asked.height_px) +
                          " were asked for");
     }
-    last_frame_ns_ = monotonic_ns();
+    last_frame_ns_ = host_now_ns();
     return {};
   }
 

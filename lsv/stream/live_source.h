@@ -14,11 +14,12 @@
 namespace lsv {
 
 struct LiveSourceInfo {
-  std::string description;     // e.g. "GenICam camera LSV-01 at 127.0.0.1"
-  FrameFormat format;          // of the frames to come
-  std::int64_t period_ns = 0;  // between exposures, as the camera is set; > 0
-  int id_bits = 64;            // ids wrap after 2^id_bits - 1 ...
-  bool id_skips_zero = false;  // ... to 1 (GigE Vision) instead of 0
+  std::string description;          // e.g. "GenICam camera LSV-01 at 127.0.0.1"
+  FrameFormat format;               // of the frames to come
+  std::int64_t period_ns = 0;       // between exposures, as the camera is set; > 0
+  int id_bits = 64;                 // ids wrap after 2^id_bits - 1 ...
+  bool id_skips_zero = false;       // ... to 1 (GigE Vision) instead of 0
+  std::int64_t clock_wraps_ns = 0;  // the camera's clock starts again at 0 after this; 0: never
 };
 
 /// What came with one frame, unjudged.
@@ -49,6 +50,13 @@ class LiveSource {
 
   /// Ends a wait in grab() soon. Thread-safe.
   virtual void stop() = 0;
+
+  /// Times that the camera was opened anew behind this interface: ids and its clock may have begun
+  /// again, and info() may be another.
+  virtual std::int64_t restarts() const { return 0; }
+
+  /// Asks for the camera to be opened anew, because what it sends is no use. False: cannot be done.
+  virtual bool reopen() { return false; }
 
   /// Packets or frames that the driver counted as lost so far.
   virtual std::int64_t transport_losses() const { return 0; }
