@@ -190,6 +190,8 @@ std::string calibration() {
 class LiveCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {
+    // For lsv itself, as in uninstrumented.cpp.
+    ::setenv("TSAN_OPTIONS", "ignore_noninstrumented_modules=1", 0);
     if (const std::string why = test::enter_own_network(); !why.empty())
       std::printf("shared loopback, %s\n", why.c_str());
   }
