@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // fuzz_seeds FOLDER: writes a corpus for each fuzz target into FOLDER/<target>/.
+#include <algorithm>
 #include <cstdio>
 
 #include "calibration/sensor_maps_io.h"
+#include "tests/lsv/mcap/small_recording.h"
 #include "tests/support/hostile_files.h"
 
 namespace {
@@ -120,6 +122,23 @@ void write_sensor_maps(const fs::path& folder) {
   }
 }
 
+/// Also without CRCs, which a fuzzer cannot mend.
+void write_recordings(const fs::path& folder) {
+  using lsv::mcap::Compression;
+  for (const Compression compression : {Compression::none, Compression::zstd}) {
+    const lsv::mcap::Bytes file = lsv::test::small_file(12, compression);
+    const auto bytes = [](lsv::mcap::ByteView view) {
+      Bytes out(view.size());
+      std::ranges::transform(view, out.begin(), [](std::byte b) { return std::uint8_t(b); });
+      return out;
+    };
+    const std::string name = compression == Compression::zstd ? "zstd" : "plain";
+    lsv::test::write_bytes(folder / "mcap" / name, bytes(file));
+    lsv::test::write_bytes(folder / "mcap" / (name + "_no_crc"),
+                           bytes(lsv::test::without_crcs(file)));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -129,7 +148,7 @@ int main(int argc, char** argv) {
   }
   const fs::path folder = argv[1];
   for (const char* target : {"image_decode", "tiff_stack", "timestamps", "option_text",
-                             "calibration", "csv_table", "sensor_maps"})
+                             "calibration", "csv_table", "sensor_maps", "mcap"})
     fs::create_directories(folder / target);
   const fs::path scratch = lsv::test::fresh_folder(folder, "scratch");
   write_images(folder, scratch);
@@ -138,6 +157,7 @@ int main(int argc, char** argv) {
   write_hostile(folder, scratch);
   write_texts(folder);
   write_sensor_maps(folder);
+  write_recordings(folder);
   fs::remove_all(scratch);
   return 0;
 }
