@@ -127,7 +127,7 @@ Result<bool> Reader::next_in_file(Item& item) {
   }
   const Result<Record> record = read_record(offset_bytes_);
   if (!record) return record.error();
-  const Result<bool> taken = take(record.value(), item);
+  Result<bool> taken = take(record.value(), item);
   if (!taken) return taken.error();
   if (at_end_) return taken;
   offset_bytes_ += record.value().size_bytes;
@@ -332,6 +332,14 @@ Result<void> Reader::take_chunk(ByteView content) {
   if (Result<void> checked = check_records(records.value()); !checked) return checked;
   chunk_ = records.value();
   ++condition_.chunks;
+  condition_.last_chunk_crc = head.plain_crc;
+  return {};
+}
+
+Result<void> Reader::add_chunk(Bytes records) {
+  if (Result<void> checked = check_records(records); !checked) return checked;
+  record_ = std::move(records);
+  chunk_ = record_;
   return {};
 }
 

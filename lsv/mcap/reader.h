@@ -36,10 +36,11 @@ struct Message {
 
 /// How the file was found, complete once the end was reached.
 struct FileCondition {
-  bool finished = false;       // ends with a sound summary and footer
-  std::uint64_t chunks = 0;    // that are sound
-  std::uint64_t damages = 0;   // places that were skipped
-  std::string first_damage{};  // a sentence; empty without one
+  bool finished = false;             // ends with a sound summary and footer
+  std::uint64_t chunks = 0;          // that are sound
+  std::uint32_t last_chunk_crc = 0;  // of the records of the last of these
+  std::uint64_t damages = 0;         // places that were skipped
+  std::string first_damage{};        // a sentence; empty without one
   /// Where the last sound chunk, and what belongs to it, ends.
   std::uint64_t sound_bytes = 0;
 };
@@ -53,6 +54,10 @@ class Reader {
 
   /// Moves to the next item. After an error the reader is finished.
   Result<Item> next();
+
+  /// Records that follow the end of the file, as next() then hands them out; bad_input, and nothing
+  /// changed, when they do not belong to it.
+  Result<void> add_chunk(Bytes records);
 
   const Message& message() const { return message_; }
   const Metadata& metadata() const { return metadata_; }
