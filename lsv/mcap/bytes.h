@@ -39,7 +39,11 @@ class ByteWriter {
   void number(T value) {
     bytes({reinterpret_cast<const std::byte*>(&value), sizeof value});
   }
-  void bytes(ByteView bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
+  void bytes(ByteView bytes) {
+    const std::size_t at = out_.size();
+    out_.resize(at + bytes.size());
+    if (!bytes.empty()) std::memcpy(out_.data() + at, bytes.data(), bytes.size());
+  }
   /// A text behind its length.
   void text(std::string_view text) {
     number(static_cast<std::uint32_t>(text.size()));

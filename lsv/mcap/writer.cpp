@@ -52,6 +52,10 @@ Bytes schema_content(std::uint16_t id, const Schema& schema) {
   return content;
 }
 
+std::size_t records_bytes(std::size_t messages, std::size_t payload_bytes) {
+  return messages * (kRecordHead_bytes + kMessageHead_bytes) + payload_bytes;
+}
+
 /// MCAP's times count from 0.
 std::uint64_t time_of(std::int64_t ns) {
   return static_cast<std::uint64_t>(std::max(ns, std::int64_t{0}));
@@ -176,20 +180,22 @@ void Writer::start_chunk() {
 }
 
 /// Room in an empty chunk, which an open one may lack.
-bool Writer::has_room(std::size_t size_bytes) {
+bool Writer::may_hold(std::size_t size_bytes) {
   const std::size_t needed = schema_records_.size() + channel_records_.size() + size_bytes;
   constexpr std::size_t kMaxChunk_bytes = std::numeric_limits<std::int32_t>::max();
   return needed <= kMaxChunk_bytes && (needed <= chunk_->bytes().size() || chunk_->grow(needed));
 }
 
+bool Writer::has_room(std::size_t messages, std::size_t payload_bytes) const {
+  return has_open_messages() &&
+         length_bytes_ + records_bytes(messages, payload_bytes) <= chunk_->bytes().size();
+}
+
 Result<void> Writer::make_room(std::size_t messages, std::size_t payload_bytes) {
-  const std::size_t size_bytes =
-      messages * (kRecordHead_bytes + kMessageHead_bytes) + payload_bytes;
-  if (has_open_messages()) {
-    if (length_bytes_ + size_bytes <= chunk_->bytes().size()) return {};
-    if (Result<void> flushed = flush(); !flushed) return flushed;
-  }
-  if (!has_room(size_bytes)) {
+  if (has_room(messages, payload_bytes)) return {};
+  if (Result<void> flushed = flush(); !flushed) return flushed;
+  const std::size_t size_bytes = records_bytes(messages, payload_bytes);
+  if (!may_hold(size_bytes)) {
     return usage(sink_->name() + ": messages of " + std::to_string(payload_bytes) +
                  " bytes do not fit into a chunk of " + std::to_string(chunk_->bytes().size()));
   }

@@ -51,6 +51,8 @@ class Writer {
   /// is flushed if need be; write() cannot fail for these. invalid_argument when no chunk is large
   /// enough.
   Result<void> make_room(std::size_t messages, std::size_t payload_bytes);
+  /// Whether that is so already, without a flush.
+  bool has_room(std::size_t messages, std::size_t payload_bytes) const;
   Result<void> write(const MessageHead& head, ByteView payload);
   /// What was written so far outlives the process, where the memory of the chunk does.
   void commit();
@@ -90,7 +92,7 @@ class Writer {
   Result<void> append(ByteView bytes) { return append(bytes, {}, 0, {}); }
   Result<void> append(ByteView head, ByteView body, std::uint32_t body_crc, ByteView tail);
   Result<std::uint64_t> append_record(Opcode opcode, ByteView content);
-  bool has_room(std::size_t size_bytes);
+  bool may_hold(std::size_t size_bytes);
   void start_chunk();
   void put_message_indexes(ChunkEntry& entry, std::vector<ChannelOffset>& offsets, Bytes& out);
   Bytes statistics() const;

@@ -1,72 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The hot path allocates nothing after construction: counted by replacing malloc's entry points
-// for the whole program.
+// The hot path allocates nothing after construction.
 #include <gtest/gtest.h>
-
-#include <atomic>
-#include <cerrno>
-#include <cstdlib>
-#include <new>
 
 #include "lsv/odometer.h"
 #include "sim/speckle.h"
+#include "tests/support/allocation_counter.h"
 #include "tests/support/calibration.h"
-
-namespace {
-std::atomic<bool> g_counting{false};
-std::atomic<long> g_allocations{0};
-
-void count() {
-  if (g_counting.load(std::memory_order_relaxed)) g_allocations.fetch_add(1);
-}
-}  // namespace
-
-// glibc's own names for the real functions.
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
-extern "C" {
-void* __libc_malloc(std::size_t);
-void* __libc_calloc(std::size_t, std::size_t);
-void* __libc_realloc(void*, std::size_t);
-void* __libc_memalign(std::size_t, std::size_t);
-// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
-
-void* malloc(std::size_t size) {
-  count();
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t n, std::size_t size) {
-  count();
-  return __libc_calloc(n, size);
-}
-void* realloc(void* p, std::size_t size) {
-  count();
-  return __libc_realloc(p, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  count();
-  return __libc_memalign(alignment, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) {
-  count();
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** out, std::size_t alignment, std::size_t size) {
-  count();
-  *out = __libc_memalign(alignment, size);
-  return *out == nullptr ? ENOMEM : 0;
-}
-}
 
 namespace lsv {
 namespace {
 
 TEST(AllocationCounter, SeesAnAllocation) {
-  g_allocations = 0;
-  g_counting = true;
+  test::count_allocations(true);
   int* const volatile p = new int(3);
-  g_counting = false;
+  test::count_allocations(false);
   delete p;
-  EXPECT_EQ(g_allocations, 1);
+  EXPECT_EQ(test::allocations(), 1);
 }
 
 class AllocationIn : public testing::TestWithParam<Engine> {};
@@ -91,16 +40,17 @@ TEST_P(AllocationIn, PushAllocatesNothing) {
       else
         std::fill_n(frames[3].row16(y), format.width_px, std::uint16_t{0});
     }
-    g_allocations = 0;
+    long allocations = 0;
     int reports = 0;
     for (const Frame& frame : frames) {
-      g_counting = true;
+      test::count_allocations(true);
       const Result<StepReport> report = odometer.push(frame.view());
-      g_counting = false;
+      test::count_allocations(false);
+      allocations += test::allocations();
       reports += report.ok() ? 1 : 0;
     }
     EXPECT_EQ(reports, 6);
-    EXPECT_EQ(g_allocations, 0) << word(GetParam()) << ", " << bit_depth << " bit";
+    EXPECT_EQ(allocations, 0) << word(GetParam()) << ", " << bit_depth << " bit";
   }
 }
 
@@ -117,16 +67,17 @@ TEST(Allocation, NoPresetAllocates) {
       const double x_px = 2.3 * static_cast<double>(i) + (i > 30 ? 400.0 : 0.0);
       ASSERT_TRUE(camera.render(static_cast<std::int64_t>(i), {.x_px = x_px}, frames[i]));
     }
-    g_allocations = 0;
+    long allocations = 0;
     int accepted = 0;
     for (const Frame& frame : frames) {
-      g_counting = true;
+      test::count_allocations(true);
       const Result<StepReport> report = odometer.push(frame.view());
-      g_counting = false;
+      test::count_allocations(false);
+      allocations += test::allocations();
       if (report && report.value().shift.status == ShiftStatus::ok) ++accepted;
     }
     EXPECT_EQ(accepted, 38) << word(preset);
-    EXPECT_EQ(g_allocations, 0) << word(preset);
+    EXPECT_EQ(allocations, 0) << word(preset);
   }
 }
 
