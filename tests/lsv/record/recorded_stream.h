@@ -52,6 +52,29 @@ inline void push(Recorder& recorder, std::int64_t index, Frame& frame) {
   recorder.on_report(report, frame);
 }
 
+inline RecorderOptions recorder_options(const std::string& path) {
+  return {.path = path,
+          .format = kSmallFormat,
+          .program = "lsv test",
+          .source = "made up",
+          .config_toml = "preset = \"precise\"\n",
+          .calibration_toml = "schema = \"x\"\n",
+          .sensor_maps_tiff = mcap::Bytes(11, std::byte{3})};
+}
+
+inline StreamEvent some_event() {
+  return {.host_ns = 5, .severity = Severity::warning, .name = "frames_missing", .text = "Two."};
+}
+
+inline HealthSnapshot some_health() {
+  HealthSnapshot health;
+  health.state = StreamState::running;
+  health.missing = 2;
+  health.rejected[3] = 7;
+  health.latency.p99_s = 0.25;
+  return health;
+}
+
 struct RecordedFrame {
   std::uint32_t ordinal = 0;
   mcap::FrameNote note{};

@@ -16,16 +16,6 @@ namespace {
 using test::kSmallFormat;
 using test::Recorded;
 
-RecorderOptions options_for(const std::string& path) {
-  return {.path = path,
-          .format = kSmallFormat,
-          .program = "lsv test",
-          .source = "made up",
-          .config_toml = "preset = \"precise\"\n",
-          .calibration_toml = "schema = \"x\"\n",
-          .sensor_maps_tiff = mcap::Bytes(11, std::byte{3})};
-}
-
 void expect_frame(const test::RecordedFrame& frame, std::int64_t index) {
   Frame expected;
   StreamReport report;
@@ -55,7 +45,7 @@ class RecorderWith : public testing::TestWithParam<mcap::Compression> {};
 TEST_P(RecorderWith, KeepsEverythingThatTheStreamSaid) {
   const test::Scratch scratch;
   const std::string path = scratch.file("rec.mcap");
-  RecorderOptions options = options_for(path);
+  RecorderOptions options = test::recorder_options(path);
   options.compression = GetParam();
   options.queue_frames = 200;
   auto recorder = Recorder::create(options);
@@ -66,14 +56,8 @@ TEST_P(RecorderWith, KeepsEverythingThatTheStreamSaid) {
     test::push(*recorder.value(), index, frame);
     EXPECT_EQ(frame.view().format, kSmallFormat) << "a frame to fill again";
   }
-  recorder.value()->on_event(
-      {.host_ns = 5, .severity = Severity::warning, .name = "frames_missing", .text = "Two."});
-  HealthSnapshot health;
-  health.state = StreamState::running;
-  health.missing = 2;
-  health.rejected[3] = 7;
-  health.latency.p99_s = 0.25;
-  recorder.value()->on_health(health);
+  recorder.value()->on_event(test::some_event());
+  recorder.value()->on_health(test::some_health());
   const Result<void> closed = recorder.value()->close();
   ASSERT_TRUE(closed.ok()) << closed.error().message;
   EXPECT_EQ(recorder.value()->frames_dropped(), 0);
@@ -119,12 +103,12 @@ TEST(Recorder, OverwritesNeitherARecordingNorATail) {
   const test::Scratch scratch;
   const std::string path = scratch.file("rec.mcap");
   test::write_bytes(path, mcap::Bytes(3));
-  EXPECT_FALSE(Recorder::create(options_for(path)).ok());
+  EXPECT_FALSE(Recorder::create(test::recorder_options(path)).ok());
   EXPECT_FALSE(std::filesystem::exists(mcap::tail_path(path)));
   EXPECT_EQ(test::file_bytes(path).size(), 3U);
   const std::string other = scratch.file("other.mcap");
   test::write_bytes(mcap::tail_path(other), mcap::Bytes(3));
-  EXPECT_FALSE(Recorder::create(options_for(other)).ok());
+  EXPECT_FALSE(Recorder::create(test::recorder_options(other)).ok());
   EXPECT_FALSE(std::filesystem::exists(other));
   EXPECT_EQ(test::file_bytes(mcap::tail_path(other)).size(), 3U);
 }
@@ -132,7 +116,7 @@ TEST(Recorder, OverwritesNeitherARecordingNorATail) {
 TEST(Recorder, ClosesWithoutAFrame) {
   const test::Scratch scratch;
   const std::string path = scratch.file("rec.mcap");
-  ASSERT_TRUE(Recorder::create(options_for(path)).value()->close().ok());
+  ASSERT_TRUE(Recorder::create(test::recorder_options(path)).value()->close().ok());
   const Recorded back = test::read_recording(mcap::open_file(path).value());
   EXPECT_EQ(back.error, "");
   EXPECT_TRUE(back.condition.finished);
