@@ -214,6 +214,33 @@ TEST(FixedPattern, BoilingAtRestIsNoDirt) {
   EXPECT_LT(report.static_share, 0.01);
 }
 
+// Ground that comes back while the vehicle rocks is no dirt, even where the pattern boils so that
+// its places tell nothing.
+TEST(FixedPattern, RockingOverBoilingGroundTeachesNothing) {
+  const sim::SpeckleConfig config{.width_px = 96, .height_px = 96, .rho = 0.97, .seed = 77};
+  sim::SpeckleCamera camera = camera_of(config);
+  Odometer odometer = Odometer::create(test::bridget_config(), sim::frame_format(config)).value();
+  static constexpr int kRocking = 300;
+  const auto x_px = [](int k) {
+    return 2.0 * std::sin(0.9 * std::min(k, kRocking)) + std::max(0, k - kRocking);
+  };
+  const auto y_px = [](int k) { return 2.0 * std::sin(1.37 * std::min(k, kRocking)); };
+  Frame frame;
+  double worst_px = 0.0;
+  StepReport report;
+  for (int k = 0; k < kRocking + 200; ++k) {
+    ASSERT_TRUE(camera.render(k, {.x_px = x_px(k), .y_px = y_px(k)}, frame));
+    frame.stamp = {k * std::int64_t{1'000'000}};
+    report = odometer.push(frame.view()).value();
+    if (k == 0) continue;
+    ASSERT_EQ(report.shift.status, ShiftStatus::ok) << k;
+    worst_px = std::max(worst_px, std::abs(report.shift.dx_px - (x_px(k) - x_px(k - 1))));
+  }
+  std::printf("rocking, then driving over boiling ground: worst shift off by %.3f px\n", worst_px);
+  EXPECT_LT(worst_px, 0.1);
+  EXPECT_LT(report.static_share, 0.01);
+}
+
 // Looks at one place, counted as many: most of the image seems static, so it must be the ground.
 TEST(FixedPattern, GroundThatDoesNotMoveIsNotLearned) {
   const sim::SpeckleConfig config{.width_px = 96, .height_px = 80, .seed = 5};
