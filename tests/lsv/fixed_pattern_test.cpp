@@ -173,7 +173,8 @@ TEST(FixedPattern, UnevenLightIsNotMadeRough) {
       for (int x = 0; x < 128; ++x) {
         const double from_centre = std::hypot(x - 63.5, y - 63.5) / 90.0;
         const double light = std::pow(0.2, from_centre * from_centre);
-        frame.row8(y)[x] = static_cast<std::uint8_t>(3.0 + light * (frame.row8(y)[x] - 3.0) + 0.5);
+        frame.row8(y)[x] =
+            static_cast<std::uint8_t>(std::lround(3.0 + light * (frame.row8(y)[x] - 3.0)));
       }
     }
     frame.stamp = {k * std::int64_t{1'000'000}};
@@ -251,7 +252,10 @@ TEST(FixedPattern, StopAndGoOverBoilingGroundTeachesNothing) {
   const sim::SpeckleConfig config{.width_px = 96, .height_px = 96, .rho = 0.99, .seed = 77};
   sim::SpeckleCamera camera = camera_of(config);
   Odometer odometer = Odometer::create(test::bridget_config(), sim::frame_format(config)).value();
-  const auto x_px = [](int k) { return 2.0 * (20 * (k / 80) + std::min(k % 80, 20)); };
+  const auto x_px = [](int k) {
+    const int stops = k / 80;
+    return 2.0 * (20 * stops + std::min(k - 80 * stops, 20));
+  };
   constexpr int kFrames = 640;
   Frame frame;
   StepReport report;
