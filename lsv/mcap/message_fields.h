@@ -135,7 +135,8 @@ requires std::is_same_v<std::remove_const_t<Of>, HealthSnapshot>
 void visit_fields(Of& health, Visit&& visit) {
   auto& [state, received, processed, dropped, queued, rejected, missing, gaps, bad_stamps,
          shifts_ok, shifts_refused, since_valid_shift_s, deadline_misses, reports_dropped,
-         log_dropped, restarts, transport_losses, frame_rate_hz, latency, queue_age_max_s] = health;
+         log_dropped, restarts, transport_losses, frame_rate_hz, latency, queue_age_max_s,
+         since_result_s, worker_stalls] = health;
   auto& [count, p50_s, p99_s, p999_s, max_s] = latency;
   static_assert(kAllFrameRejections == std::array{FrameRejection::damaged,
                                                   FrameRejection::wrong_format,
@@ -169,6 +170,8 @@ void visit_fields(Of& health, Visit&& visit) {
   visit("latency_p999_s", p999_s);
   visit("latency_max_s", max_s);
   visit("queue_age_max_s", queue_age_max_s);
+  visit("since_result_s", since_result_s);
+  visit("worker_stalls", worker_stalls);
 }
 
 }  // namespace lsv::mcap
