@@ -301,6 +301,7 @@ void KeyframeOdometry::set_keyframe(SlotIndex slot, const Place& place) {
 /// ones.
 bool KeyframeOdometry::keeps_off_what_stays(double distance_px) const {
   return fixed_pattern_.learns() && look_planner_.looks() < kLooksThatTell &&
+         motion_ != MotionState::at_rest &&
          distance_px < kSpecklesApart * meter_.speckle_px(reference_);
 }
 
