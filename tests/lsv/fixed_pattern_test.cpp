@@ -133,10 +133,9 @@ TEST(FixedPattern, DirtIsLearnedAndTakenOut) {
         100.0 * learned.static_share);
     EXPECT_EQ(learned.refused, 0);
     EXPECT_LT(naive.distance_error_percent, -0.3);
-    EXPECT_GT(learned.distance_error_percent, 0.5 * naive.distance_error_percent);
-    if (share < kDirtyShare) {
-      EXPECT_LE(std::abs(learned.distance_error_percent), 0.2);
-    }
+    // Seen 0.026 % and 0.10 %; twice and five times as much when keyframes are given up as if the
+    // pattern changed.
+    EXPECT_LE(std::abs(learned.distance_error_percent), share < kDirtyShare ? 0.045 : 0.2);
     EXPECT_EQ(learned.static_share > kDirtyShare, share > kDirtyShare) << learned.static_share;
   }
 }
