@@ -112,8 +112,10 @@ bool PatternLearner::judge() {
   std::fill(kind_.begin(), kind_.end(), PixelKind::clean);
   mark_what_stands_out();
   rely_on_neighbours();
-  static_share_ = static_cast<double>(count_outweighed()) / static_cast<double>(kind_.size());
-  if (static_share_ > kMostOutweighed) {
+  const double share = static_cast<double>(count_outweighed()) / static_cast<double>(kind_.size());
+  // Before, it is a lower bound: it must not take back what was known.
+  if (looks_ >= kLooksThatTellShare || !(share <= static_share_)) static_share_ = share;
+  if (share > kMostOutweighed) {
     std::fill(kind_.begin(), kind_.end(), PixelKind::clean);
     forget();
   }
