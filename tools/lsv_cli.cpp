@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = kExitOk;
   add_track_command(app, exit_code);
+  add_live_command(app, exit_code);
   add_info_command(app, exit_code);
   add_shift_command(app, exit_code);
   add_simulate_command(app, exit_code);

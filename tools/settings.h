@@ -86,4 +86,16 @@ Settings::Parse text(std::string& target);
 /// `text` in quotes, as TOML wants it.
 std::string toml_text(const std::string& text);
 
+/// Read by a function of its own; `type` is what --help calls it.
+template <typename Value>
+Settings::Parse parsed_by(std::optional<Value>& target, const char* type,
+                          Result<Value> (*parse)(const std::string&)) {
+  return {type, [&target, parse](const std::string& text) -> Result<std::string> {
+            Result<Value> value = parse(text);
+            if (!value) return value.error();
+            target = std::move(value).value();
+            return toml_text(text);
+          }};
+}
+
 }  // namespace lsv::cli

@@ -90,19 +90,33 @@ struct GigeCamera::Body {
         static_cast<std::byte*>(const_cast<void*>(arv_buffer_get_data(buffer, nullptr)));
     const Roi region = region_of(fake);
     if (format == wire_format(frame.format) && contains(frame.format, region)) {
-      const FrameView seen = crop(frame, region);
-      write_pixels(seen, pixels);
-      sent.checksum = pixel_checksum(seen);
+      const FrameView sent_frame = write_pixels(crop(frame, region), pixels);
+      disturb_one_pixel(now.exposure, sent_frame.format, pixels);
+      sent.checksum = pixel_checksum(sent_frame);
     }
     const std::lock_guard<std::mutex> lock(notes_mutex);
     notes.push_back(sent);
   }
 
-  static void write_pixels(const FrameView& frame, std::byte* out) {
+  /// The frame as it now lies at `out`, without gaps.
+  static FrameView write_pixels(const FrameView& frame, std::byte* out) {
     const std::size_t row_bytes =
         static_cast<std::size_t>(frame.width_px()) * bytes_per_pixel(frame.format.type);
+    FrameView written = frame;
+    written.data = out;
+    written.stride_bytes = static_cast<std::ptrdiff_t>(row_bytes);
     for (int y = 0; y < frame.height_px(); ++y, out += row_bytes)
       std::memcpy(out, frame.data + y * frame.stride_bytes, row_bytes);
+    return written;
+  }
+
+  /// The rendered frames come again and again, but a camera with noise never sends the same frame
+  /// twice, and one that does counts as frozen.
+  static void disturb_one_pixel(std::int64_t exposure, const FrameFormat& format,
+                                std::byte* pixels) {
+    const std::int64_t count = std::int64_t{format.width_px} * format.height_px;
+    const auto low_byte = static_cast<std::size_t>(exposure % count) * bytes_per_pixel(format.type);
+    pixels[low_byte] ^= std::byte{1};
   }
 
   static void fill(ArvBuffer* buffer, void* body, guint32 /*exposure_time_us*/, guint32 /*gain*/,
