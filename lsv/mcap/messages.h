@@ -39,6 +39,15 @@ inline constexpr std::string_view kHealthType = "lsv_msgs/msg/Health";
 inline constexpr std::string_view kEventType = "rcl_interfaces/msg/Log";
 inline constexpr std::string_view kDropoutType = "lsv_msgs/msg/Dropout";
 
+/// Metadata by name with their entries, sealed (sealed.h), and the one attachment: the settings
+/// with which a recording can be replayed by itself.
+inline constexpr std::string_view kRecordingMetadata = "lsv.recording";  // id, program, source
+inline constexpr std::string_view kConfigMetadata = "lsv.config";
+inline constexpr std::string_view kConfigEntry = "config.toml";
+inline constexpr std::string_view kCalibrationMetadata = "lsv.calibration";
+inline constexpr std::string_view kCalibrationEntry = "calibration.toml";
+inline constexpr std::string_view kSensorMapsAttachment = "sensor_maps.tif";
+
 /// Where a frame comes from and what happened on the way.
 struct FrameNote {
   std::int64_t index = 0;  // as given to the odometer

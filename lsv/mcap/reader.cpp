@@ -446,6 +446,7 @@ Result<bool> Reader::skip_damage(const Error& error) {
   file_crc_known_ = false;
   Result<bool> found = find_chunk(offset_bytes_ + 1);
   at_end_ = !found || !found.value();
+  condition_.torn_end = at_end_;
   return found;
 }
 

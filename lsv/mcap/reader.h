@@ -41,6 +41,7 @@ struct FileCondition {
   std::uint32_t last_chunk_crc = 0;  // of the records of the last of these
   std::uint64_t damages = 0;         // places that were skipped
   std::string first_damage{};        // a sentence; empty without one
+  bool torn_end = false;             // nothing sound follows the last of them
   /// Where the last sound chunk, and what belongs to it, ends.
   std::uint64_t sound_bytes = 0;
 };

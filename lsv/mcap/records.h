@@ -52,8 +52,8 @@ struct Schema {
 struct Channel {
   std::string topic;
   std::string message_encoding;
-  Entries metadata;
-  Schema schema;
+  Entries metadata{};
+  Schema schema{};
   friend bool operator==(const Channel&, const Channel&) = default;
 };
 

@@ -32,6 +32,7 @@ class Copy {
 
   std::uint64_t items() const { return items_; }
   std::uint64_t messages() const { return messages_; }
+  const std::map<std::string, std::uint64_t>& by_topic() const { return by_topic_; }
 
  private:
   Result<void> copy(Item item) {
@@ -45,6 +46,7 @@ class Copy {
       channel = channels_.emplace(message.channel_id, added.value()).first;
     }
     ++messages_;
+    ++by_topic_[message.channel->topic];
     return to_.write({.channel = channel->second,
                       .sequence = message.sequence,
                       .log_time_ns = message.log_time_ns,
@@ -57,6 +59,7 @@ class Copy {
   std::map<std::uint16_t, ChannelId> channels_;
   std::uint64_t items_ = 0;
   std::uint64_t messages_ = 0;
+  std::map<std::string, std::uint64_t> by_topic_;
 };
 
 /// The records of the tail, when they follow on what `reader` has read.
@@ -100,6 +103,7 @@ Result<Recovered> recover(std::unique_ptr<ByteSource> file, std::unique_ptr<Byte
     out.tail_messages = copy.messages() - before;
   }
   out.messages = copy.messages();
+  out.by_topic = copy.by_topic();
   if (copy.items() == 0) {
     return Error{ErrorCode::bad_input,
                  name + ": nothing of a recording is found in it; is it an MCAP file?"};

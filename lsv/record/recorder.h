@@ -12,13 +12,11 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <string_view>
 
 #include "lsv/core/result.h"
 #include "lsv/mcap/byte_sink.h"
 #include "lsv/mcap/chunk_memory.h"
 #include "lsv/mcap/compression.h"
-#include "lsv/mcap/records.h"
 #include "lsv/stream/stream_sink.h"
 
 namespace lsv {
@@ -27,12 +25,6 @@ namespace mcap {
 class TailFile;
 }
 
-/// Metadata of a recording by name, and the one attachment.
-inline constexpr std::string_view kRecordingMetadata = "lsv.recording";
-inline constexpr std::string_view kConfigMetadata = "lsv.config";            // "config.toml"
-inline constexpr std::string_view kCalibrationMetadata = "lsv.calibration";  // "calibration.toml"
-inline constexpr std::string_view kSensorMapsAttachment = "sensor_maps.tif";
-
 struct RecorderOptions {
   std::string path{};  // of a file that does not exist
   FrameFormat format{};
@@ -40,7 +32,8 @@ struct RecorderOptions {
   std::string source{};            // LiveSourceInfo::description
   std::string config_toml{};       // all settings, resolved
   std::string calibration_toml{};  // the whole file
-  mcap::Bytes sensor_maps_tiff{};  // the file that the calibration names; empty without one
+  /// sensor_maps_tiff() of the maps as the odometer has them, cut to its region; empty without.
+  mcap::Bytes sensor_maps_tiff{};
   mcap::Compression compression = mcap::Compression::none;
 
   /// 0: as many as 64 MiB hold, at least 8 and at most 1024.

@@ -96,19 +96,20 @@ Result<void> RecordingWriter::add_channels(const std::string& recording_id) {
 Result<void> RecordingWriter::add_settings(const RecorderOptions& options,
                                            const std::string& recording_id) {
   const mcap::Metadata settings[] = {
-      {.name = std::string(kRecordingMetadata),
+      {.name = std::string(mcap::kRecordingMetadata),
        .entries = {{"id", recording_id},
                    {"program", options.program},
                    {"source", options.source},
                    {"wall_minus_monotonic_ns", std::to_string(wall_ns_)}}},
-      {.name = std::string(kConfigMetadata), .entries = {{"config.toml", options.config_toml}}},
-      {.name = std::string(kCalibrationMetadata),
-       .entries = {{"calibration.toml", options.calibration_toml}}}};
+      {.name = std::string(mcap::kConfigMetadata),
+       .entries = {{std::string(mcap::kConfigEntry), options.config_toml}}},
+      {.name = std::string(mcap::kCalibrationMetadata),
+       .entries = {{std::string(mcap::kCalibrationEntry), options.calibration_toml}}}};
   for (const mcap::Metadata& each : settings) {
     if (Result<void> added = writer_.add_metadata(mcap::sealed(each)); !added) return added;
   }
   if (options.sensor_maps_tiff.empty()) return {};
-  return writer_.add_attachment({.name = std::string(kSensorMapsAttachment),
+  return writer_.add_attachment({.name = std::string(mcap::kSensorMapsAttachment),
                                  .media_type = "image/tiff",
                                  .data = options.sensor_maps_tiff});
 }

@@ -6,6 +6,7 @@
 #include "calibration/sensor_maps_io.h"
 #include "lsv/mcap/tail.h"
 #include "tests/lsv/mcap/small_recording.h"
+#include "tests/lsv/record/recorded_stream.h"
 #include "tests/support/hostile_files.h"
 
 namespace {
@@ -141,6 +142,28 @@ void write_recordings(const fs::path& folder) {
   }
 }
 
+/// As lsv makes them, without the CRCs.
+void write_recorded_streams(const fs::path& folder, const fs::path& scratch) {
+  for (const lsv::mcap::Compression compression :
+       {lsv::mcap::Compression::none, lsv::mcap::Compression::zstd}) {
+    const fs::path path = scratch / "stream.mcap";
+    fs::remove(path);
+    lsv::RecorderOptions options = lsv::test::recorder_options(path.string());
+    options.compression = compression;
+    auto recorder = lsv::Recorder::create(options).value();
+    lsv::Frame frame;
+    for (std::int64_t index = 0; index < 3; ++index) lsv::test::push(*recorder, index, frame);
+    recorder->on_event(lsv::test::some_event());
+    recorder->on_health(lsv::test::some_health());
+    static_cast<void>(recorder->close());
+    const bool packed = compression == lsv::mcap::Compression::zstd;
+    const Bytes bytes = lsv::test::read_bytes(path);
+    const auto* const first = reinterpret_cast<const std::byte*>(bytes.data());
+    lsv::test::write_bytes(folder / "recording" / (packed ? "zstd" : "plain"),
+                           plain_bytes(lsv::test::without_crcs({first, first + bytes.size()})));
+  }
+}
+
 /// A tail, and the records in it alone.
 void write_tails(const fs::path& folder, const fs::path& scratch) {
   const std::string path = (scratch / "rec.mcap.tail").string();
@@ -167,8 +190,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   const fs::path folder = argv[1];
-  for (const char* target : {"image_decode", "tiff_stack", "timestamps", "option_text",
-                             "calibration", "csv_table", "sensor_maps", "mcap", "mcap_tail"})
+  for (const char* target :
+       {"image_decode", "tiff_stack", "timestamps", "option_text", "calibration", "csv_table",
+        "sensor_maps", "mcap", "mcap_tail", "recording"})
     fs::create_directories(folder / target);
   const fs::path scratch = lsv::test::fresh_folder(folder, "scratch");
   write_images(folder, scratch);
@@ -179,6 +203,7 @@ int main(int argc, char** argv) {
   write_sensor_maps(folder);
   write_recordings(folder);
   write_tails(folder, scratch);
+  write_recorded_streams(folder, scratch);
   fs::remove_all(scratch);
   return 0;
 }

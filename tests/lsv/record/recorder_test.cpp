@@ -81,7 +81,8 @@ TEST_P(RecorderWith, KeepsEverythingThatTheStreamSaid) {
   EXPECT_EQ(back.health[0].missing, 2);
   EXPECT_EQ(back.health[0].rejected[3], 7);
   EXPECT_EQ(back.health[0].latency.p99_s, 0.25);
-  for (const std::string_view name : {kRecordingMetadata, kConfigMetadata, kCalibrationMetadata}) {
+  for (const std::string_view name :
+       {mcap::kRecordingMetadata, mcap::kConfigMetadata, mcap::kCalibrationMetadata}) {
     ASSERT_EQ(back.metadata.count(std::string(name)), 1U) << name;
     EXPECT_TRUE(mcap::is_sealed(back.metadata.at(std::string(name))));
   }
@@ -89,7 +90,7 @@ TEST_P(RecorderWith, KeepsEverythingThatTheStreamSaid) {
   EXPECT_EQ(back.metadata.at("lsv.calibration").entries.at("calibration.toml"),
             options.calibration_toml);
   ASSERT_EQ(back.attachments.size(), 1U);
-  EXPECT_EQ(back.attachments[0].name, kSensorMapsAttachment);
+  EXPECT_EQ(back.attachments[0].name, mcap::kSensorMapsAttachment);
   EXPECT_EQ(back.attachments[0].data, options.sensor_maps_tiff);
 }
 
