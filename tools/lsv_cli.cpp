@@ -38,6 +38,7 @@ int run(int argc, char** argv) {
   add_live_command(app, exit_code);
   add_info_command(app, exit_code);
   add_shift_command(app, exit_code);
+  add_record_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_recover_command(app, exit_code);
   add_simulate_command(app, exit_code);
