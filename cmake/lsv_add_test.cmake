@@ -10,6 +10,8 @@ function(lsv_add_test name)
   endif()
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE lsv_flags ${arg_LIBS} GTest::gtest GTest::gtest_main)
+  # What is tested is optimised; the tests themselves are compiled once and run once.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE LSV_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   gtest_discover_tests(
     ${name}

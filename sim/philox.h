@@ -23,7 +23,8 @@ enum class Stream : std::uint32_t {
   sensor_pattern = 5,
   flat_field = 6,
   reference_pose = 7,
-  sensor_track = 8
+  sensor_track = 8,
+  exposure_jitter = 9
 };
 
 using PhiloxWords = std::array<std::uint32_t, 4>;

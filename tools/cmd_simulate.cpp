@@ -12,6 +12,7 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   add_simulate_speckle(*simulate, exit_code);
   add_simulate_tracks(*simulate, exit_code);
   add_simulate_flat(*simulate, exit_code);
+  add_simulate_camera(*simulate, exit_code);
 }
 
 }  // namespace lsv::cli

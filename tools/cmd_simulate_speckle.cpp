@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `lsv simulate speckle`: simulated frames on disk, with the true motion beside them.
-#include <cmath>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -10,18 +8,18 @@
 #include "lsv/output/number_text.h"
 #include "sim/speckle.h"
 #include "tools/commands.h"
+#include "tools/motion_options.h"
 #include "tools/recording.h"
 #include "tools/simulated_camera.h"
 
 namespace lsv::cli {
 namespace {
 
-constexpr const char* kExample =
+constexpr const char* kAbout =
     "Writes the frames and the true motion (truth.csv: pattern position at mid exposure and shift\n"
     "since the frame before, in px; positive x to larger columns). Nothing is overwritten.\n"
-    "\n"
-    "Profiles: parked, constant, drive (speed up, stop, reverse), sinusoid, random, or a CSV file\n"
-    "with the columns x_px and y_px, one row per frame (a truth.csv will do).\n"
+    "\n";
+constexpr const char* kExample =
     "\n"
     "Example:\n"
     "  lsv simulate speckle -o run1 --frames 200 --profile drive --speed-px 5 --speed-y-px 1\n"
@@ -31,43 +29,10 @@ struct SpeckleOptions {
   std::string output;
   std::string truth;
   std::string format;
-  std::string profile = "drive";
   std::int64_t frames = 200;
-  double speed_px = 3.0;
-  double speed_y_px = 0.0;
-  double period_frames = 100.0;
+  MotionOptions motion;
   SimulatedCamera camera;
 };
-
-Error usage(std::string message) { return {ErrorCode::invalid_argument, std::move(message)}; }
-
-bool in_range(double value, double limit) { return std::abs(value) <= limit; }
-
-Result<sim::MotionProfile> profile_for(const SpeckleOptions& o) {
-  constexpr double kMaxSpeed_px = 1e4;
-  if (!in_range(o.speed_px, kMaxSpeed_px) || !in_range(o.speed_y_px, kMaxSpeed_px))
-    return usage("--speed-px and --speed-y-px must be within 10000 px per frame");
-  if (!(o.period_frames > 0.0 && o.period_frames <= 1e9))
-    return usage("--period-frames must be above 0 and at most 1e9");
-  const auto frames = static_cast<double>(o.frames);
-  if (o.profile == "parked") return sim::parked();
-  if (o.profile == "constant") return sim::constant_velocity(o.speed_px, o.speed_y_px);
-  if (o.profile == "drive") return sim::drive(o.speed_px, o.speed_y_px, frames);
-  if (o.profile == "sinusoid") return sim::sinusoid(o.speed_px, o.speed_y_px, o.period_frames);
-  if (o.profile == "random")
-    return sim::random_shifts(o.speed_px, o.speed_y_px, o.frames, o.camera.config.seed);
-  if (std::filesystem::path(o.profile).extension() != ".csv") {
-    return usage("--profile is \"" + o.profile +
-                 "\" but must be parked, constant, drive, sinusoid, random or a .csv file");
-  }
-  Result<sim::MotionTable> table = sim::read_motion_table(o.profile);
-  if (!table) return table.error();
-  if (table.value().frames < o.frames) {
-    return usage(o.profile + " holds " + std::to_string(table.value().frames) +
-                 " positions but --frames asks for " + std::to_string(o.frames));
-  }
-  return std::move(table.value().profile);
-}
 
 void add_line(std::string& text, std::string_view key, std::string_view value) {
   text += "# ";
@@ -95,7 +60,7 @@ std::string truth_head(const SpeckleOptions& o, const std::string& command) {
            "positive x: the pattern moved to a larger column; positive y: to a "
            "larger row");
   add_line(text, "seed", std::to_string(c.seed));
-  add_line(text, "profile", o.profile);
+  add_line(text, "profile", o.motion.profile);
   add_line(text, "size_px", o.camera.size);
   add_line(text, "frame_rate_hz", c.frame_rate_hz);
   add_line(text, "speckle_px", c.speckle_px);
@@ -141,7 +106,7 @@ std::string truth_row(const Frame& frame, const sim::PatternMotion& before,
 /// The exit code.
 Result<int> simulate(const SpeckleOptions& options, const std::string& command) {
   if (auto checked = check_frame_count(options.frames); !checked) return checked.error();
-  const auto profile = profile_for(options);
+  const auto profile = motion_profile(options.motion, options.frames, options.camera.config.seed);
   if (!profile) return profile.error();
   const sim::SpeckleConfig& config = options.camera.config;
   auto camera = sim::SpeckleCamera::create(config);
@@ -187,27 +152,12 @@ void add_options(CLI::App& command, SpeckleOptions& o) {
                      "frames)");
   command.add_option("--format", o.format, "png (default), tiff, pgm or raw, in a directory");
   command.add_option("--frames", o.frames, "Number of frames")->capture_default_str();
-  command.add_option("--profile", o.profile, "Motion, see below")->capture_default_str();
-  command.add_option("--speed-px", o.speed_px, "Greatest speed along x, px per frame")
-      ->capture_default_str();
-  command.add_option("--speed-y-px", o.speed_y_px, "Greatest speed along y, px per frame")
-      ->capture_default_str();
-  command.add_option("--period-frames", o.period_frames, "Period of the sinusoid, frames")
-      ->capture_default_str();
-  sim::SpeckleConfig& config = o.camera.config;
+  add_motion_options(command, o.motion);
   command
-      .add_option("--speckle-px", config.speckle_px,
-                  "Speckle size (FWHM of the "
-                  "autocovariance), px")
-      ->capture_default_str();
-  command
-      .add_option("--rho", config.rho,
+      .add_option("--rho", o.camera.config.rho,
                   "Boiling: intensity correlation of consecutive frames at rest; 1 = none")
       ->capture_default_str();
-  command.add_option("--exposure", config.exposure_ratio, "Exposure / frame interval, 0 to 1")
-      ->capture_default_str();
-  command.add_option("--mean-counts", o.camera.mean_counts,
-                     "Mean signal above the dark level, counts (default: 60/255 of full scale)");
+  add_speckle_options(command, o.camera);
   add_camera_options(command, o.camera);
 }
 
@@ -216,7 +166,7 @@ void add_options(CLI::App& command, SpeckleOptions& o) {
 void add_simulate_speckle(CLI::App& simulate_group, int& exit_code) {
   CLI::App* const speckle =
       simulate_group.add_subcommand("speckle", "Laser speckle that moves in its plane");
-  speckle->footer(kExample);
+  speckle->footer(std::string(kAbout) + kMotionHelp + kExample);
   const auto options = std::make_shared<SpeckleOptions>();
   add_options(*speckle, *options);
   speckle->callback([speckle, options, &exit_code] { exit_code = run(*speckle, *options); });

@@ -2,7 +2,6 @@
 // lsv track: frames in, calibrated track out.
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -32,6 +31,7 @@ struct TrackCommand {
 };
 
 std::string time_base(const SourceOptions& source) {
+  if (!source.rate_hz && source.timestamps_path.empty()) return "recording";
   if (!source.rate_hz) return source.timestamps_path;
   char text[40];
   std::snprintf(text, sizeof text, "%.10g Hz", *source.rate_hz);
@@ -67,20 +67,6 @@ Result<void> track_frames(FrameSource& source, Odometer& odometer, TrackOutputs&
     progress.frame_done(status != ShiftStatus::ok && status != ShiftStatus::first_frame);
   }
   return {};
-}
-
-int exit_code_of(const Summary& summary, double max_rejected_share) {
-  if (summary.interrupted) return kExitInterrupted;
-  if (summary.shifts_ok > 0 && summary.rejected_share <= max_rejected_share) return kExitOk;
-  const auto most_often =
-      std::max_element(summary.rejected.begin(), summary.rejected.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  std::fprintf(
-      stderr, "lsv: %lld of %lld shifts were refused (--max-rejected is %g), most often %s: %s\n",
-      static_cast<long long>(summary.shifts_rejected),
-      static_cast<long long>(summary.shifts_rejected + summary.shifts_ok), max_rejected_share,
-      word(most_often->first).data(), advice(most_often->first).data());
-  return kExitLowQuality;
 }
 
 /// `error` with the input it is about.

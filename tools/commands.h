@@ -26,6 +26,9 @@ void add_budget_command(CLI::App& app, int& exit_code);
 void add_calibrate_command(CLI::App& app, int& exit_code);
 void add_faults_command(CLI::App& app, int& exit_code);
 void add_info_command(CLI::App& app, int& exit_code);
+void add_live_command(CLI::App& app, int& exit_code);
+void add_recover_command(CLI::App& app, int& exit_code);
+void add_replay_command(CLI::App& app, int& exit_code);
 void add_shift_command(CLI::App& app, int& exit_code);
 void add_simulate_command(CLI::App& app, int& exit_code);
 void add_track_command(CLI::App& app, int& exit_code);
@@ -38,6 +41,7 @@ void add_calibrate_noise(CLI::App& calibrate, int& exit_code);
 void add_calibrate_scale(CLI::App& calibrate, int& exit_code);
 
 /// Below `lsv simulate`.
+void add_simulate_camera(CLI::App& simulate, int& exit_code);
 void add_simulate_flat(CLI::App& simulate, int& exit_code);
 void add_simulate_speckle(CLI::App& simulate, int& exit_code);
 void add_simulate_tracks(CLI::App& simulate, int& exit_code);

@@ -11,24 +11,6 @@
 
 namespace lsv::cli {
 
-int report_error(const Error& error) {
-  std::string line = error.message;  // file names may hold anything; the error stays one line
-  for (char& c : line) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-  }
-  std::fprintf(stderr, "lsv: %s\n", line.c_str());
-  switch (error.code) {
-    case ErrorCode::invalid_argument:
-      return kExitUsage;
-    case ErrorCode::bad_input:
-    case ErrorCode::unsupported:
-      return kExitBadInput;
-    case ErrorCode::output_failed:
-      return kExitOutputFailed;
-  }
-  return kExitOutputFailed;
-}
-
 namespace {
 
 /// CLI11 says only that a command is missing when one is misspelt; this names it.
@@ -53,8 +35,11 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   int exit_code = kExitOk;
   add_track_command(app, exit_code);
+  add_live_command(app, exit_code);
   add_info_command(app, exit_code);
   add_shift_command(app, exit_code);
+  add_replay_command(app, exit_code);
+  add_recover_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_calibrate_command(app, exit_code);
   add_budget_command(app, exit_code);

@@ -41,6 +41,18 @@ void add_camera_options(CLI::App& command, SimulatedCamera& camera) {
       ->group(group);
 }
 
+void add_speckle_options(CLI::App& command, SimulatedCamera& camera) {
+  command
+      .add_option("--speckle-px", camera.config.speckle_px,
+                  "Speckle size (FWHM of the autocovariance), px")
+      ->capture_default_str();
+  command
+      .add_option("--exposure", camera.config.exposure_ratio, "Exposure / frame interval, 0 to 1")
+      ->capture_default_str();
+  command.add_option("--mean-counts", camera.mean_counts,
+                     "Mean signal above the dark level, counts (default: 60/255 of full scale)");
+}
+
 Result<void> resolve_camera(const CLI::App& command, SimulatedCamera& camera) {
   if (Result<void> parsed = parse_size(camera.size, camera.config); !parsed) return parsed;
   if (command.count("--mean-counts") > 0) camera.config.mean_signal_counts = camera.mean_counts;
@@ -51,8 +63,8 @@ Result<void> resolve_camera(const CLI::App& command, SimulatedCamera& camera) {
   return {};
 }
 
-std::string command_line(const CLI::App& command) {
-  std::string text = "lsv simulate " + command.get_name();
+std::string command_line(const CLI::App& command, const std::string& parent) {
+  std::string text = parent + command.get_name();
   for (const CLI::Option* option : command.parse_order()) {
     text += " " + option->get_name();
     for (const std::string& value : option->results()) text += " " + value;

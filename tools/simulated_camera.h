@@ -22,11 +22,14 @@ struct SimulatedCamera {
 
 /// `camera` must outlive the command.
 void add_camera_options(CLI::App& command, SimulatedCamera& camera);
+/// Those of the light, besides: speckle size, exposure, mean signal.
+void add_speckle_options(CLI::App& command, SimulatedCamera& camera);
 
 /// What was given on the command line into `camera.config`; sim::validate() checks the ranges.
 Result<void> resolve_camera(const CLI::App& command, SimulatedCamera& camera);
 
-/// The command as it can be typed again, without the directory of the program.
-std::string command_line(const CLI::App& command);
+/// The command as it can be typed again, without the directory of the program; `parent` is what
+/// comes before its name.
+std::string command_line(const CLI::App& command, const std::string& parent = "lsv simulate ");
 
 }  // namespace lsv::cli

@@ -54,8 +54,8 @@ FrameView SimulatedLoop::frame(std::int64_t k) const {
 }
 
 TrueShift SimulatedLoop::shift(std::int64_t k) const {
-  const TrueShift& from = positions_[there_and_back(k - 1, frames_.size())];
-  const TrueShift& to = positions_[there_and_back(k, frames_.size())];
+  const TrueShift from = position(k - 1);
+  const TrueShift to = position(k);
   return {to.dx_px - from.dx_px, to.dy_px - from.dy_px};
 }
 

@@ -36,6 +36,10 @@ class SimulatedLoop {
   const FrameFormat& format() const { return frames_.front().format; }
   /// Frame `k` >= 0 of the endless recording, with its stamp. Lives as long as the loop.
   FrameView frame(std::int64_t k) const;
+  /// Of the pattern in frame k.
+  TrueShift position(std::int64_t k) const {
+    return positions_[there_and_back(k, positions_.size())];
+  }
   /// From frame k - 1 to frame k; k >= 1.
   TrueShift shift(std::int64_t k) const;
 

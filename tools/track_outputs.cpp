@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "lsv/output/csv_sink.h"
 #include "lsv/output/jsonl_sink.h"
 #include "lsv/output/tum_sink.h"
+#include "tools/commands.h"
 #include "tools/output_names.h"
 
 namespace lsv::cli {
@@ -124,6 +126,10 @@ Result<TrackOutputs> TrackOutputs::open(OutputPaths paths, const RunInfo& info,
 Result<void> TrackOutputs::write(const StepReport& report, const FrameView& frame,
                                  Odometer& odometer) {
   if (Result<void> kept = keep_pair(report, frame, odometer); !kept) return kept;
+  return write(report);
+}
+
+Result<void> TrackOutputs::write(const StepReport& report) {
   for (const auto& sink : sinks_) {
     if (Result<void> written = sink->write(report); !written) return written;
   }
@@ -162,6 +168,20 @@ Result<void> TrackOutputs::finish(const RunEnd& end) {
     if (Result<void> committed = sink->commit(); !committed) return committed;
   }
   return config_ ? config_->commit() : Result<void>();
+}
+
+int exit_code_of(const Summary& summary, double max_rejected_share) {
+  if (summary.interrupted) return kExitInterrupted;
+  if (summary.shifts_ok > 0 && summary.rejected_share <= max_rejected_share) return kExitOk;
+  const auto most_often =
+      std::max_element(summary.rejected.begin(), summary.rejected.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::fprintf(
+      stderr, "lsv: %lld of %lld shifts were refused (--max-rejected is %g), most often %s: %s\n",
+      static_cast<long long>(summary.shifts_rejected),
+      static_cast<long long>(summary.shifts_rejected + summary.shifts_ok), max_rejected_share,
+      word(most_often->first).data(), advice(most_often->first).data());
+  return kExitLowQuality;
 }
 
 }  // namespace lsv::cli

@@ -42,6 +42,8 @@ class TrackOutputs {
 
   /// `odometer` has just made `report` from `frame`.
   Result<void> write(const StepReport& report, const FrameView& frame, Odometer& odometer);
+  /// Where the frame is gone: the report then shows no correlation plane.
+  Result<void> write(const StepReport& report);
   Result<void> finish(const RunEnd& end);
 
   Summary summary() const { return summary_->summary(); }
@@ -60,5 +62,8 @@ class TrackOutputs {
   std::string engine_;
   bool pair_kept_ = false;
 };
+
+/// Of a run that came to its end or was interrupted; kExitLowQuality is explained on stderr.
+int exit_code_of(const Summary& summary, double max_rejected_share);
 
 }  // namespace lsv::cli

@@ -27,17 +27,6 @@ Settings::Parse one_of(Value& target, std::optional<Value> (*from)(std::string_v
           }};
 }
 
-template <typename Value>
-Settings::Parse parsed_by(std::optional<Value>& target, const char* type,
-                          Result<Value> (*parse)(const std::string&)) {
-  return {type, [&target, parse](const std::string& text) -> Result<std::string> {
-            Result<Value> value = parse(text);
-            if (!value) return value.error();
-            target = std::move(value).value();
-            return toml_text(text);
-          }};
-}
-
 }  // namespace
 
 void add_source_settings(CLI::App& command, Settings& settings, SourceOptions& source) {
@@ -106,6 +95,10 @@ void add_gate(CLI::App& command, Settings& settings, GateConfig& gate) {
 
 void add_track_settings(CLI::App& command, Settings& settings, TrackSettings& target) {
   add_source_settings(command, settings, target.source);
+  add_measuring_settings(command, settings, target);
+}
+
+void add_measuring_settings(CLI::App& command, Settings& settings, TrackSettings& target) {
   settings.add(command, "calibration", "--calibration", "Calibration file (TOML)", "",
                text(target.calibration_path));
   settings.add(command, "preset", "--preset",

@@ -13,8 +13,8 @@ namespace lsv::cli {
 
 /// What FRAMES may be, for --help.
 inline constexpr const char* kFramesHelp =
-    "A folder, image files, a quoted pattern, a TIFF stack, a raw file, a video, or - for raw "
-    "frames on standard input";
+    "A folder, image files, a quoted pattern, a TIFF stack, a raw file, a video, a recording "
+    "(.mcap), or - for raw frames on standard input";
 
 struct TrackSettings {
   TrackConfig config;
@@ -26,7 +26,10 @@ struct TrackSettings {
 /// Which frames to read and when they were taken: shared by every command that reads frames.
 void add_source_settings(CLI::App& command, Settings& settings, SourceOptions& source);
 
-/// `target` must outlive `settings`.
+/// How the pattern is measured; not where the frames come from. `target` must outlive `settings`.
+void add_measuring_settings(CLI::App& command, Settings& settings, TrackSettings& target);
+
+/// Both.
 void add_track_settings(CLI::App& command, Settings& settings, TrackSettings& target);
 
 }  // namespace lsv::cli
