@@ -228,8 +228,9 @@ void judge_run(const Scenario& scenario, const Run& run, std::uint64_t seed, Row
 void judge_row(const Scenario& scenario, Row& row) {
   const Limits& limits = scenario.limits;
   const Findings& all = row.all;
+  // Before what concerns single runs.
   const auto broken = [&](const char* format, double value) {
-    row.broken_limits.push_back(text(format, value));
+    row.broken_limits.insert(row.broken_limits.begin(), text(format, value));
   };
   if (row.detects && !(row.detected_ratio >= limits.detected_ratio))
     broken("only %.4f of the faults told (I4)", row.detected_ratio);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/faults/report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 namespace lsv::faults {
 namespace {
+
+constexpr std::size_t kBrokenShown = 4;  // of one fault
 
 std::string number(const char* format, double value) {
   if (!std::isfinite(value)) return "-";
@@ -43,7 +46,10 @@ std::string table(const std::vector<Row>& rows) {
       "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const Row& row : rows) out += line(row);
   for (const Row& row : rows) {
-    for (const std::string& broken : row.broken_limits) out += "\n- " + row.id + ": " + broken;
+    const std::size_t shown = std::min(row.broken_limits.size(), kBrokenShown);
+    for (std::size_t i = 0; i < shown; ++i) out += "\n- " + row.id + ": " + row.broken_limits[i];
+    if (const std::size_t more = row.broken_limits.size() - shown; more > 0)
+      out += "\n- " + row.id + ": and " + std::to_string(more) + " more";
   }
   out += "\n";
   return out;

@@ -69,7 +69,7 @@ Scenario pace(std::string id, std::string fault, double rate_error, std::int64_t
 }
 
 /// The counter ends half-way through the run.
-Scenario id_wrap(std::string id, int bits, bool skips_zero) {
+Scenario id_wrap(const std::string& id, int bits, bool skips_zero) {
   return {.id = "T4 " + id,
           .fault = "frame ids wrap at " + std::to_string(bits) + " bit" +
                    (skips_zero ? " and skip 0" : ""),
