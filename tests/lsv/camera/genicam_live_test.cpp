@@ -132,7 +132,7 @@ TEST_F(GenicamLive, EveryFrameSentIsReceivedOrCounted) {
   START_CAMERA(camera, {"--rate-hz", "250", "--size", "128x128"});
   auto source = open_genicam(kAddress, {});
   ASSERT_TRUE(source) << source.error().message;
-  const LiveSourceInfo& info = source.value()->info();
+  const LiveSourceInfo info = source.value()->info();
   EXPECT_EQ(info.format, (FrameFormat{.width_px = 128, .height_px = 128}));
   EXPECT_EQ(info.period_ns, 4 * kMs);
   EXPECT_EQ(info.id_bits, 16);

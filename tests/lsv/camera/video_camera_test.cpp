@@ -129,7 +129,7 @@ TEST_F(VideoCamera, FramesThatNobodyGrabsAreCounted) {
   camera.send(99);
   Frame frame;
   FrameLabel label;
-  for (std::uint64_t id : {0, 1, 2, 3}) {
+  for (const std::uint64_t id : {0U, 1U, 2U, 3U}) {
     ASSERT_EQ(source->grab(frame, label, kLong_ns).value(), Grab::frame);
     EXPECT_EQ(label.camera_id, id);
     EXPECT_EQ(frame.view().at(7, 5), static_cast<int>(id));
