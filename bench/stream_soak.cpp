@@ -43,22 +43,20 @@ struct SoakOptions {
 /// Holds every shift against the truth of the loop. On the worker thread.
 class TruthCheck : public StreamSink {
  public:
-  explicit TruthCheck(const cli::SimulatedLoop& loop) : loop_(loop) {}
+  TruthCheck(const cli::SimulatedLoop& loop, std::int64_t period_ns)
+      : loop_(loop), period_ns_(period_ns) {}
 
   void on_report(const StreamReport& report, Frame&) override {
     const StepReport& step = report.step;
-    if (step.shift.status == ShiftStatus::ok) {
-      cli::TrueShift truth;
-      for (std::int64_t k = accepted_ + 1; k <= step.frame; ++k) {
-        const cli::TrueShift one = loop_.shift(k);
-        truth = {truth.dx_px + one.dx_px, truth.dy_px + one.dy_px};
-      }
-      largest_px_ = std::max({largest_px_, std::abs(step.shift.dx_px - truth.dx_px),
-                              std::abs(step.shift.dy_px - truth.dy_px)});
-    } else if (step.shift.status != ShiftStatus::first_frame) {
-      return;
+    if (step.shift.status != ShiftStatus::ok) return;
+    const std::int64_t since = step.frame - (step.dt_ns + period_ns_ / 2) / period_ns_;
+    cli::TrueShift truth;
+    for (std::int64_t k = since + 1; k <= step.frame; ++k) {
+      const cli::TrueShift one = loop_.shift(k);
+      truth = {truth.dx_px + one.dx_px, truth.dy_px + one.dy_px};
     }
-    accepted_ = step.frame;
+    largest_px_ = std::max({largest_px_, std::abs(step.shift.dx_px - truth.dx_px),
+                            std::abs(step.shift.dy_px - truth.dy_px)});
   }
   void on_event(const StreamEvent& event) override {
     std::fprintf(stderr, "%s: %s\n", event.name.c_str(), event.text.c_str());
@@ -69,7 +67,7 @@ class TruthCheck : public StreamSink {
 
  private:
   const cli::SimulatedLoop& loop_;
-  std::int64_t accepted_ = 0;
+  std::int64_t period_ns_;
   double largest_px_ = 0.0;
 };
 
@@ -98,11 +96,11 @@ int soak(const SoakOptions& options) {
     return 2;
   }
   const auto frames = static_cast<std::int64_t>(options.seconds * options.rate_hz);
-  TruthCheck truth(loop.value());
-  auto source = std::make_unique<PacedSource>(
-      [&](std::int64_t k) { return loop.value().frame(k); },
-      PacedOptions{.period_ns = std::llround(static_cast<double>(kNsPerS) / options.rate_hz),
-                   .frames = frames});
+  const std::int64_t period_ns = std::llround(static_cast<double>(kNsPerS) / options.rate_hz);
+  TruthCheck truth(loop.value(), period_ns);
+  auto source =
+      std::make_unique<PacedSource>([&](std::int64_t k) { return loop.value().frame(k); },
+                                    PacedOptions{.period_ns = period_ns, .frames = frames});
   std::vector<std::int64_t> memory_bytes;
   memory_bytes.reserve(static_cast<std::size_t>(options.seconds) + 10);
 

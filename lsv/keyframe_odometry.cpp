@@ -31,6 +31,8 @@ constexpr double kUnexplained = 0.02;
 // Once the optics were looked at that often they are known, and what stands still is at rest.
 constexpr std::size_t kLooksThatTell = 32;
 constexpr double kStandstill_px = 1.5;
+// Beyond so many speckles what stays no longer resembles itself.
+constexpr double kSpecklesApart = 1.5;
 // That many frames without a match are no passing disturbance.
 constexpr int kLostFrames = 4;
 
@@ -293,6 +295,16 @@ void KeyframeOdometry::set_keyframe(SlotIndex slot, const Place& place) {
   meter_.build(slots_[slot].frame, reference_);
 }
 
+/// What stays on the sensor looks like change of the pattern, which calls for a new keyframe, and
+/// pulls most over distances of less than a speckle. Until it is known keyframes last longer; where
+/// the pattern does change that costs little, since one long link errs about as much as many short
+/// ones.
+bool KeyframeOdometry::keeps_off_what_stays(double distance_px) const {
+  return fixed_pattern_.learns() && look_planner_.looks() < kLooksThatTell &&
+         motion_ != MotionState::at_rest &&
+         distance_px < kSpecklesApart * meter_.speckle_px(reference_);
+}
+
 /// Whether another frame on this keyframe would raise the error per frame: the variance of one
 /// link of the chain, divided by the frames that it spans, has its minimum here.
 bool KeyframeOdometry::wants_keyframe(const TrackedShift& tracked, double dx_px,
@@ -307,6 +319,7 @@ bool KeyframeOdometry::wants_keyframe(const TrackedShift& tracked, double dx_px,
   const double next_y = share(sy_px + dy_px, format.height_px);
   if (std::min(next_x, next_y) < 1.0 - kMaxKeyframeShift) return true;
   if (tracked.shift.quality.zncc < kMinKeyframeZncc) return true;
+  if (keeps_off_what_stays(std::hypot(sx_px + dx_px, sy_px + dy_px))) return false;
 
   const double steps = steps_since_keyframe_;
   const double overlap_ratio =

@@ -70,6 +70,7 @@ class KeyframeOdometry {
   Shift acquire(SlotIndex earlier, SlotIndex later);
   void set_keyframe(SlotIndex slot, const Place& place);
   bool wants_keyframe(const TrackedShift& tracked, double dx_px, double dy_px) const;
+  bool keeps_off_what_stays(double distance_px) const;
   MotionState motion_at(const Place& place);
   bool may_be_held_back(const TrackedShift& tracked, double dx_px, double dy_px) const;
   bool learn_fixed_pattern(SlotIndex now, const TrackedShift& tracked, const Place& place);

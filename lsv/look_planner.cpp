@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
+#include <limits>
+#include <utility>
 
 namespace lsv {
 namespace {
@@ -13,41 +14,37 @@ namespace {
 constexpr std::size_t kEagerLooks = 64;
 constexpr int kFramesBetweenLooks = 16;
 
-// Of the squared difference of two frames that share nothing but what stays.
-constexpr double kAllChanged = 0.9;
+// Other ground: this share of the squared difference of two unrelated frames, which itself varies
+// by a tenth. Speckle that is 0.2 correlated is as good as new.
+constexpr double kOtherGround = 0.8;
+// What unrelated frames differ by is forgotten slowly: it may have been a flash.
+constexpr double kRemembered = 0.999;
+// As many samples as there are speckles tell as much as all pixels.
+constexpr int kSamplesPerSide = 32;
 
-void copy(const FrameView& from, Frame& to) {
-  const auto row_bytes =
-      static_cast<std::size_t>(from.width_px()) * bytes_per_pixel(from.format.type);
-  for (int y = 0; y < from.height_px(); ++y)
-    std::memcpy(to.row(y), from.data + y * from.stride_bytes, row_bytes);
+int step_for(const FrameFormat& format) {
+  const int side_px = std::max(format.width_px, format.height_px);
+  return std::max(1, (side_px + kSamplesPerSide - 1) / kSamplesPerSide);
 }
 
 template <typename Pixel>
-double squared_difference(const FrameView& a, const FrameView& b) {
-  double out = 0.0;
-  for (int y = 0; y < a.height_px(); ++y) {
-    const auto* const row_a = reinterpret_cast<const Pixel*>(a.data + y * a.stride_bytes);
-    const auto* const row_b = reinterpret_cast<const Pixel*>(b.data + y * b.stride_bytes);
-    std::int64_t row = 0;
-    for (int x = 0; x < a.width_px(); ++x) {
-      const std::int64_t difference = std::int64_t{row_a[x]} - row_b[x];
-      row += difference * difference;
-    }
-    out += static_cast<double>(row);
+void sample(const FrameView& from, int step_px, std::vector<std::uint16_t>& to) {
+  auto next = to.begin();
+  for (int y = 0; y < from.height_px(); y += step_px) {
+    const auto* const row = reinterpret_cast<const Pixel*>(from.data + y * from.stride_bytes);
+    for (int x = 0; x < from.width_px(); x += step_px) *next++ = row[x];
   }
-  return out;
-}
-
-double squared_difference(const FrameView& a, const FrameView& b) {
-  return a.format.type == PixelType::mono8 ? squared_difference<std::uint8_t>(a, b)
-                                           : squared_difference<std::uint16_t>(a, b);
 }
 
 }  // namespace
 
-LookPlanner::LookPlanner(const FrameFormat& format)
-    : first_changing_(format), last_changing_(format) {}
+LookPlanner::LookPlanner(const FrameFormat& format) : sample_step_px_(step_for(format)) {
+  const auto count = [this](int side_px) {
+    return static_cast<std::size_t>((side_px + sample_step_px_ - 1) / sample_step_px_);
+  };
+  samples_.resize(count(format.width_px) * count(format.height_px));
+  for (std::vector<std::uint16_t>& seen : seen_) seen.resize(samples_.size());
+}
 
 bool LookPlanner::waits() {
   return ++frames_since_look_ < (looks_ < kEagerLooks ? 1 : kFramesBetweenLooks);
@@ -60,7 +57,6 @@ bool LookPlanner::look() {
 }
 
 bool LookPlanner::is_due(double x_px, double y_px, double apart_px) {
-  changing_ = false;
   if (waits()) return false;
   const auto known = std::min<std::size_t>(place_count_, places_.size());
   for (std::size_t i = 0; i < known; ++i) {
@@ -70,17 +66,37 @@ bool LookPlanner::is_due(double x_px, double y_px, double apart_px) {
   return look();
 }
 
+void LookPlanner::take_samples(const FrameView& raw) {
+  if (raw.format.type == PixelType::mono8)
+    sample<std::uint8_t>(raw, sample_step_px_, samples_);
+  else
+    sample<std::uint16_t>(raw, sample_step_px_, samples_);
+}
+
+double LookPlanner::squared_difference(const std::vector<std::uint16_t>& earlier) const {
+  std::int64_t out = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const std::int64_t difference = std::int64_t{samples_[i]} - earlier[i];
+    out += difference * difference;
+  }
+  return static_cast<double>(out);
+}
+
 bool LookPlanner::is_due_by_change(const FrameView& raw) {
   if (waits()) return false;
-  if (changing_) {
-    const double since_last = squared_difference(raw, last_changing_.view());
-    const double since_first = squared_difference(raw, first_changing_.view());
-    if (!(since_last > 0.0) || since_last < kAllChanged * since_first) return false;
-  } else {
-    copy(raw, first_changing_);
+  take_samples(raw);
+  if (const std::size_t known = std::min(seen_count_, seen_.size()); known > 0) {
+    double least = std::numeric_limits<double>::infinity();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < known; ++i) {
+      const double difference = squared_difference(seen_[i]);
+      least = std::min(least, difference);
+      sum += difference;
+    }
+    full_change_ = std::max(sum / static_cast<double>(known), kRemembered * full_change_);
+    if (!(least > 0.0) || least < kOtherGround * full_change_) return false;
   }
-  changing_ = true;
-  copy(raw, last_changing_);
+  std::swap(seen_[seen_count_++ % seen_.size()], samples_);
   return look();
 }
 

@@ -5,13 +5,16 @@
 // As long as the measured motion explains the frames, a new place is one that is away from all
 // places looked at. Where the pattern changes more than that (it boils, or what stays on the sensor
 // holds the measured motion back), places tell nothing; then a frame counts once it differs from
-// the last one looked at as much as from the first: all that can change has changed.
+// each of the last ones looked at about as much as unrelated frames do. The last one alone
+// would not do: a vehicle that rocks comes back to the same ground again and again.
 //
 // Owns its memory, allocates at construction only; one object per thread.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "lsv/core/frame.h"
 
@@ -35,14 +38,18 @@ class LookPlanner {
   };
   bool waits();
   bool look();
+  void take_samples(const FrameView& raw);
+  double squared_difference(const std::vector<std::uint16_t>& earlier) const;
 
   std::array<Place, 1024> places_{};  // in turn
   std::size_t place_count_ = 0;
   std::size_t looks_ = 0;
   int frames_since_look_ = 0;
-  bool changing_ = false;
-  Frame first_changing_;
-  Frame last_changing_;
+  int sample_step_px_ = 1;
+  std::vector<std::uint16_t> samples_;                 // of the frame in question
+  std::array<std::vector<std::uint16_t>, 32> seen_{};  // of the frames looked at, in turn
+  std::size_t seen_count_ = 0;
+  double full_change_ = 0.0;  // squared difference of two unrelated frames, as far as seen
 };
 
 }  // namespace lsv

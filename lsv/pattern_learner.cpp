@@ -29,6 +29,11 @@ constexpr double kCleanQuantile = 0.7;
 constexpr float kLeastContrast = 0.2F;
 // Beyond, it is more likely that the ground has not moved than that the optics are that dirty.
 constexpr double kMostOutweighed = 0.45;
+// Figures of one pixel are known to 1 / sqrt(n) only, those of its surroundings better. A pixel
+// that differs from them by z sigmas counts for 1 - kNoise / z^2 (W. James and C. Stein, Proc. 4th
+// Berkeley Symp. 1 (1961) 361): of what is chance little is left.
+constexpr float kNoise = 3.0F;
+constexpr int kAround_px = 6;
 // Below, too little of the pattern comes through to be worth raising.
 constexpr float kLeastShare = 0.15F;
 // Fixed outweighs moving: spread below this part of a clean one, or light of its own above this
@@ -52,8 +57,12 @@ PatternLearner::PatternLearner(const FrameFormat& format, std::vector<std::uint8
   const auto pixels =
       static_cast<std::size_t>(format.width_px) * static_cast<std::size_t>(format.height_px);
   known_holes_.resize(pixels, 0);
-  for (std::vector<float>* plane : {&sum_, &sum_squares_, &mean_, &spread_, &sorted_})
+  for (std::vector<float>* plane :
+       {&sum_, &sum_squares_, &mean_, &spread_, &sorted_, &mean_around_, &spread_around_})
     plane->assign(pixels, 0.0F);
+  sum_to_.assign(static_cast<std::size_t>(format.width_px + 1) *
+                     static_cast<std::size_t>(format.height_px + 1),
+                 0.0);
   kind_.assign(pixels, PixelKind::clean);
 }
 
@@ -102,8 +111,11 @@ bool PatternLearner::judge() {
   }
   std::fill(kind_.begin(), kind_.end(), PixelKind::clean);
   mark_what_stands_out();
-  static_share_ = static_cast<double>(count_outweighed()) / static_cast<double>(kind_.size());
-  if (static_share_ > kMostOutweighed) {
+  rely_on_neighbours();
+  const double share = static_cast<double>(count_outweighed()) / static_cast<double>(kind_.size());
+  // Before, it is a lower bound: it must not take back what was known.
+  if (looks_ >= kLooksThatTellShare || !(share <= static_share_)) static_share_ = share;
+  if (share > kMostOutweighed) {
     std::fill(kind_.begin(), kind_.end(), PixelKind::clean);
     forget();
   }
@@ -157,6 +169,54 @@ void PatternLearner::mark_around(int x, int y) {
       if (deviation(i) > kBesideSigmas)
         kind_[i] = share(i) < kLeastShare ? PixelKind::hole : PixelKind::dirty;
     }
+  }
+}
+
+/// Mean over the pixels around each.
+void PatternLearner::smooth(const std::vector<float>& values, std::vector<float>& out) {
+  const int width = format_.width_px;
+  const int height = format_.height_px;
+  const auto corner = [width](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width + 1) +
+           static_cast<std::size_t>(x);
+  };
+  std::size_t i = 0;
+  for (int y = 0; y < height; ++y) {
+    double row = 0.0;
+    for (int x = 0; x < width; ++x) {
+      row += static_cast<double>(values[i++]);
+      sum_to_[corner(x + 1, y + 1)] = sum_to_[corner(x + 1, y)] + row;
+    }
+  }
+  i = 0;
+  for (int y = 0; y < height; ++y) {
+    const int top = std::max(0, y - kAround_px);
+    const int bottom = std::min(height, y + kAround_px + 1);
+    for (int x = 0; x < width; ++x) {
+      const int left = std::max(0, x - kAround_px);
+      const int right = std::min(width, x + kAround_px + 1);
+      const double sum = sum_to_[corner(right, bottom)] - sum_to_[corner(left, bottom)] -
+                         sum_to_[corner(right, top)] + sum_to_[corner(left, top)];
+      out[i++] = static_cast<float>(sum / ((right - left) * (bottom - top)));
+    }
+  }
+}
+
+/// A dirty pixel is corrected by its own figures only as far as they are more than chance.
+void PatternLearner::rely_on_neighbours() {
+  smooth(mean_, mean_around_);
+  smooth(spread_, spread_around_);
+  const auto n = static_cast<float>(looks_);
+  for (std::size_t i = 0; i < kind_.size(); ++i) {
+    if (kind_[i] != PixelKind::dirty) continue;
+    const float mean = mean_[i] - mean_around_[i];
+    const float spread = spread_[i] - spread_around_[i];
+    const float variance = spread_around_[i] * spread_around_[i] / n;
+    const float z2 =
+        std::max(mean * mean, spread * spread / (kSpreadError * kSpreadError)) / variance;
+    const float own_weight = std::max(0.0F, 1.0F - kNoise / z2);
+    mean_[i] = mean_around_[i] + own_weight * mean;
+    spread_[i] = spread_around_[i] + own_weight * spread;
   }
 }
 

@@ -54,6 +54,8 @@ class PatternLearner {
   float deviation(std::size_t i) const;
   void mark_what_stands_out();
   void mark_around(int x, int y);
+  void smooth(const std::vector<float>& values, std::vector<float>& out);
+  void rely_on_neighbours();
   std::size_t count_outweighed() const;
   void forget();
 
@@ -64,6 +66,9 @@ class PatternLearner {
   std::vector<float> mean_;
   std::vector<float> spread_;
   std::vector<float> sorted_;  // scratch
+  std::vector<float> mean_around_;
+  std::vector<float> spread_around_;
+  std::vector<double> sum_to_;  // scratch: over all pixels above and to the left
   std::vector<PixelKind> kind_;
   int looks_ = 0;
   int next_judgement_ = 0;

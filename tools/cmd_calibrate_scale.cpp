@@ -12,6 +12,7 @@
 #include "calibration/sensor_maps_io.h"
 #include "lsv/output/output_file.h"
 #include "tools/commands.h"
+#include "tools/output_names.h"
 #include "tools/scale_report.h"
 #include "tools/scale_runs.h"
 
@@ -63,6 +64,15 @@ Result<ScaleReport> measure(const ScaleOptions& options, std::optional<double> s
   return out;
 }
 
+struct OutputPaths {
+  std::string calibration, report;
+};
+
+OutputPaths paths_in(const std::filesystem::path& folder) {
+  return {.calibration = (folder / "calibration.toml").string(),
+          .report = (folder / "scale.html").string()};
+}
+
 Result<void> write_outputs(const ScaleReport& report, const std::string& folder) {
   const std::string text = calibration_text(report.calibration);
   if (const Result<Calibration> read = parse_calibration(text, "the new calibration"); !read)
@@ -71,11 +81,9 @@ Result<void> write_outputs(const ScaleReport& report, const std::string& folder)
   std::filesystem::create_directories(folder, status);
   if (status)
     return Error{ErrorCode::output_failed, folder + ": cannot be created: " + status.message()};
-  if (Result<void> written =
-          write_file((std::filesystem::path(folder) / "scale.html").string(), scale_html(report));
-      !written)
-    return written;
-  return write_file((std::filesystem::path(folder) / "calibration.toml").string(), text);
+  const OutputPaths paths = paths_in(folder);
+  if (Result<void> written = write_file(paths.report, scale_html(report)); !written) return written;
+  return write_file(paths.calibration, text);
 }
 
 int run(const CLI::App& command, const ScaleOptions& options) {
@@ -90,6 +98,11 @@ int run(const CLI::App& command, const ScaleOptions& options) {
   }
   if (!(options.height_m >= 1e-4 && options.height_m <= 100.0))
     return usage("--height-m must be between 0.0001 and 100");
+  const OutputPaths paths = paths_in(options.output);
+  if (const Result<void> apart =
+          refuse_inputs({paths.calibration, paths.report}, {options.calibration, options.runs});
+      !apart)
+    return report_error(apart.error());
   const Result<ScaleReport> report = measure(options, sigma_ratio);
   if (!report) return report_error(report.error());
   if (Result<void> written = write_outputs(report.value(), options.output); !written)

@@ -11,6 +11,7 @@
 #include "lsv/output/number_text.h"
 #include "tools/camera_list.h"
 #include "tools/commands.h"
+#include "tools/recording_facts.h"
 #include "tools/settings.h"
 #include "tools/track_settings.h"
 
@@ -99,9 +100,10 @@ nlohmann::ordered_json stamp_or_null(const std::optional<Stamp>& stamp) {
   return stamp ? nlohmann::ordered_json(stamp->ns) : nlohmann::ordered_json(nullptr);
 }
 
-void print_json(const SourceInfo& info, const Levels& levels) {
+void print_json(const SourceInfo& info, const Levels& levels,
+                const std::optional<RecordingFacts>& recording) {
   const double contrast = levels.contrast_ratio();
-  const nlohmann::ordered_json json = {
+  nlohmann::ordered_json json = {
       {"schema", "lsv.info/1"},
       {"input", info.description},
       {"width_px", info.format.width_px},
@@ -119,6 +121,7 @@ void print_json(const SourceInfo& info, const Levels& levels) {
         {"contrast_ratio", std::isnan(contrast) ? nlohmann::ordered_json(nullptr)
                                                 : nlohmann::ordered_json(contrast)}}},
       {"warnings", info.warnings}};
+  if (recording) json["recording"] = to_json(*recording);
   // File names in warnings may hold bytes that are not UTF-8.
   std::puts(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
@@ -138,16 +141,31 @@ Result<void> describe(InfoCommand& command) {
   if (command.frames.size() == 1 && command.frames.front() == "genicam:")
     return print_cameras(command.json);
   command.source.need_time = false;
+  command.source.salvage = true;
+  std::optional<RecordingFacts> recording;
+  if (command.frames.size() == 1 && is_recording_path(command.frames.front())) {
+    auto facts = recording_facts(command.frames.front(), command.source.max_pixels);
+    if (!facts) return facts.error();
+    recording = std::move(facts).value();
+  }
   Result<std::unique_ptr<FrameSource>> source = open_frames(command.frames, command.source);
   if (!source) return source.error();
   Frame frame;
   const Result<bool> read = source.value()->next(frame);
   if (!read) return read.error();
   const Levels levels = levels_of(frame.view());
-  if (command.json)
-    print_json(source.value()->info(), levels);
-  else
-    print_text(source.value()->info(), levels);
+  SourceInfo info = source.value()->info();
+  if (recording) {
+    info.frame_count = recording->frames;
+    info.last_stamp = recording->last_stamp;
+    info.missing_count = recording->missing;
+  }
+  if (command.json) {
+    print_json(info, levels, recording);
+  } else {
+    print_text(info, levels);
+    if (recording) print_text(*recording);
+  }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     return Error{ErrorCode::output_failed, "standard output could not be written"};
   return {};
@@ -163,8 +181,9 @@ void add_info_command(CLI::App& app, int& exit_code) {
   sub->add_flag("--json", command->json, "Print one JSON object");
   add_source_settings(*sub, command->settings, command->source);
   sub->footer(
-      "Example:\n"
+      "Examples:\n"
       "  lsv info sample_frames/drive_png --rate-hz 1000\n"
+      "  lsv info drive.mcap\n"
       "  lsv info genicam:            (the GenICam cameras that answer)");
   sub->callback([command, &exit_code] {
     const Result<void> described = describe(*command);

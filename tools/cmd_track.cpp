@@ -31,6 +31,7 @@ struct TrackCommand {
 };
 
 std::string time_base(const SourceOptions& source) {
+  if (!source.rate_hz && source.timestamps_path.empty()) return "recording";
   if (!source.rate_hz) return source.timestamps_path;
   char text[40];
   std::snprintf(text, sizeof text, "%.10g Hz", *source.rate_hz);

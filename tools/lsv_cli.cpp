@@ -38,9 +38,13 @@ int run(int argc, char** argv) {
   add_live_command(app, exit_code);
   add_info_command(app, exit_code);
   add_shift_command(app, exit_code);
+  add_record_command(app, exit_code);
+  add_replay_command(app, exit_code);
+  add_recover_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_calibrate_command(app, exit_code);
   add_budget_command(app, exit_code);
+  add_faults_command(app, exit_code);
   if (const Result<void> words = check_command_words(app, argc, argv); !words)
     return report_error(words.error());
   try {

@@ -42,7 +42,7 @@ std::vector<std::string> remarks(const ScaleReport& report) {
   if (report.fit.sigma_factor > 1.0) {
     out.push_back(
         formatted("the residuals are %.1f times what the sigmas allow: all sigmas were "
-                  "raised by that; look for a bad run below",
+                  "raised by that; look for a bad run among the residuals",
                   report.fit.sigma_factor));
   }
   constexpr double kBadRun_sigmas = 4.0;

@@ -3,11 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include "calibration/sha256.h"
 #include "lsv/ingest/csv_table.h"
+#include "lsv/ingest/timestamps.h"
 
 namespace lsv::cli {
 namespace {
@@ -27,8 +31,9 @@ struct Track {
 };
 
 Result<Track> read_track(const CsvTable& table) {
-  std::size_t columns[6] = {};
-  const char* const names[] = {"time_s", "dx_px", "dy_px", "sigma_dx_px", "sigma_dy_px", "status"};
+  std::size_t columns[7] = {};
+  const char* const names[] = {"time_s",      "dx_px",  "dy_px", "sigma_dx_px",
+                               "sigma_dy_px", "status", "dt_s"};
   for (std::size_t i = 0; i < std::size(names); ++i) {
     const Result<std::size_t> column = table.column(names[i]);
     if (!column) return column.error();
@@ -38,6 +43,11 @@ Result<Track> read_track(const CsvTable& table) {
   double x_px = 0.0;
   double y_px = 0.0;
   ShiftCovariance cov{0.0, 0.0, 0.0};
+  std::optional<std::int64_t> last_ns;
+  const auto at = [&table](std::size_t row, const char* sentence) {
+    return Error{ErrorCode::bad_input,
+                 table.name() + ":" + std::to_string(table.line(row)) + ": " + sentence};
+  };
   for (std::size_t row = 0; row < table.rows(); ++row) {
     if (table.text(row, columns[5]) != "ok") {
       ++out.refused;
@@ -53,10 +63,17 @@ Result<Track> read_track(const CsvTable& table) {
     y_px += values[2];
     cov.xx_px2 += values[3] * values[3];
     cov.yy_px2 += values[4] * values[4];
-    if (!out.time_s.empty() && values[0] <= out.time_s.back()) {
-      return Error{ErrorCode::bad_input, table.name() + ":" + std::to_string(table.line(row)) +
-                                             ": time_s does not increase"};
-    }
+    if (!out.time_s.empty() && values[0] <= out.time_s.back())
+      return at(row, "time_s does not increase");
+    const auto time_ns = ns_from_decimal_seconds(table.text(row, columns[0]));
+    const auto dt_ns = ns_from_decimal_seconds(table.text(row, columns[6]));
+    if (!time_ns || !dt_ns || *dt_ns <= 0)
+      return at(row, "time_s and dt_s of an accepted shift must be times in seconds");
+    // A shift from the last accepted frame bridges what was refused since; before another one the
+    // ground was lost.
+    if (last_ns && *time_ns - *dt_ns != *last_ns)
+      return at(row, "the ground was lost before this shift, and travel with it: repeat the run");
+    last_ns = *time_ns;
     out.time_s.push_back(values[0]);
     out.x_px.push_back(x_px);
     out.y_px.push_back(y_px);
@@ -181,6 +198,13 @@ class Reader {
   Result<CsvTable> read_file(std::size_t row, std::size_t column) {
     const std::string name(table_.text(row, column));
     if (name.empty()) return at(row, "the name of a file is empty");
+    if (column == track_) {
+      // Counted twice, its errors would seem to average out.
+      const auto [first, is_new] =
+          track_rows_.try_emplace((folder_ / name).lexically_normal(), row);
+      if (!is_new)
+        return at(row, name + " is the run of line " + std::to_string(table_.line(first->second)));
+    }
     Result<CsvTable> out = CsvTable::read((folder_ / name).string());
     if (out) add_digest(sha256_hex(out.value().bytes()));
     return out;
@@ -249,6 +273,7 @@ class Reader {
   bool is_series_ = false;
   std::size_t track_ = 0, truth_ = 0, x_ = 0, y_ = 0, sigma_ = 0;
   std::string digests_;
+  std::map<std::filesystem::path, std::size_t> track_rows_;
 };
 
 }  // namespace

@@ -106,12 +106,11 @@ Settings::Entry* Settings::find(const std::string& key) {
   return nullptr;
 }
 
-Result<void> Settings::read_file(const std::string& path) {
-  const Result<std::string> content = read_text_file(path, "configuration");
-  if (!content) return content.error();
-  const toml::parse_result parsed = toml::parse(content.value());
+Result<void> Settings::read_toml(const std::string& text, const std::string& name,
+                                 UnknownKeys unknown) {
+  const toml::parse_result parsed = toml::parse(text);
   const auto at = [&](const toml::source_region& where) {
-    return path + ":" + std::to_string(where.begin.line);
+    return name + ":" + std::to_string(where.begin.line);
   };
   if (!parsed) {
     return Error{ErrorCode::bad_input, at(parsed.error().source()) + ": not valid TOML: " +
@@ -119,6 +118,7 @@ Result<void> Settings::read_file(const std::string& path) {
   }
   for (const auto& [key, node] : parsed.table()) {
     Entry* const entry = find(std::string(key.str()));
+    if (entry == nullptr && unknown == UnknownKeys::passed_over) continue;
     if (entry == nullptr) {
       return Error{ErrorCode::bad_input, at(key.source()) + ": unknown key " +
                                              std::string(key.str()) +
@@ -170,14 +170,21 @@ void Settings::resolve_exclusions() {
   }
 }
 
-Result<void> Settings::resolve(const std::string& config_path, Variables variables) {
+void Settings::use_defaults() {
   for (Entry& entry : entries_) {
     entry.text = entry.default_text;
     entry.source = "default";
     entry.rank = kDefault;
   }
+}
+
+Result<void> Settings::resolve(const std::string& config_path, Variables variables) {
+  use_defaults();
   if (!config_path.empty()) {
-    if (Result<void> read = read_file(config_path); !read) return read;
+    const Result<std::string> content = read_text_file(config_path, "configuration");
+    if (!content) return content.error();
+    if (Result<void> read = read_toml(content.value(), config_path, UnknownKeys::refused); !read)
+      return read;
   }
   if (Result<void> read = read_environment(variables); !read) return read;
   for (Entry& entry : entries_) {
@@ -189,6 +196,16 @@ Result<void> Settings::resolve(const std::string& config_path, Variables variabl
     entry.rank = kFlag;
   }
   resolve_exclusions();
+  return read_values();
+}
+
+Result<void> Settings::resolve_recorded(const std::string& toml, const std::string& name) {
+  use_defaults();
+  if (Result<void> read = read_toml(toml, name, UnknownKeys::passed_over); !read) return read;
+  return read_values();
+}
+
+Result<void> Settings::read_values() {
   for (Entry& entry : entries_) {
     if (entry.text.empty()) continue;
     Result<std::string> read = entry.parse.read(entry.text);

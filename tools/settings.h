@@ -46,6 +46,10 @@ class Settings {
   enum class Variables { all_known, some_of_other_commands };
   Result<void> resolve(const std::string& config_path, Variables variables = Variables::all_known);
 
+  /// Applies what to_toml() wrote, and nothing else; `name` stands for it in errors. Keys of other
+  /// commands are passed over.
+  Result<void> resolve_recorded(const std::string& toml, const std::string& name);
+
   /// The resolved settings as a TOML file that --config reads back.
   std::string to_toml() const;
 
@@ -66,7 +70,10 @@ class Settings {
 
   Entry& add_entry(const std::string& key, const std::string& flag, const std::string& default_text,
                    Parse parse);
-  Result<void> read_file(const std::string& path);
+  enum class UnknownKeys { refused, passed_over };
+  Result<void> read_toml(const std::string& text, const std::string& name, UnknownKeys unknown);
+  void use_defaults();
+  Result<void> read_values();
   Result<void> read_environment(Variables variables);
   void resolve_exclusions();
   Entry* find(const std::string& key);

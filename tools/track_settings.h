@@ -13,8 +13,8 @@ namespace lsv::cli {
 
 /// What FRAMES may be, for --help.
 inline constexpr const char* kFramesHelp =
-    "A folder, image files, a quoted pattern, a TIFF stack, a raw file, a video, or - for raw "
-    "frames on standard input";
+    "A folder, image files, a quoted pattern, a TIFF stack, a raw file, a video, a recording "
+    "(.mcap), or - for raw frames on standard input";
 
 struct TrackSettings {
   TrackConfig config;

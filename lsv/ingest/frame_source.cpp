@@ -12,6 +12,7 @@
 #include "lsv/ingest/frame_stream.h"
 #include "lsv/ingest/image_decode.h"
 #include "lsv/ingest/image_sequence.h"
+#include "lsv/ingest/mcap_stream.h"
 #include "lsv/ingest/raw_source.h"
 #include "lsv/ingest/tiff_stack.h"
 #include "lsv/ingest/time_base.h"
@@ -79,7 +80,7 @@ class SelectedSource : public FrameSource {
     info_.description = stream_->description();
     info_.format = first_.view().format;
     info_.whole_format = *format_;
-    if (time_.is_time()) info_.first_stamp = first_.stamp;
+    if (time_.is_time() || stream_->own_stamp()) info_.first_stamp = first_.stamp;
     for (std::string& warning : stream_->warnings()) info_.warnings.push_back(std::move(warning));
     return {};
   }
@@ -172,11 +173,18 @@ class SelectedSource : public FrameSource {
     const auto checked = check(whole.view());
     if (!checked) return checked.error();
     if (roi_) copy_pixels(crop(whole.view(), *roi_), out);
-    const auto stamp = time_.stamp(place);
+    const auto stamp = stamp_of(place);
     if (!stamp) return stamp.error();
     out.stamp = stamp.value();
     out.index = place.index;
     return true;
+  }
+
+  /// A time base that was asked for stands above the one of the input.
+  Result<Stamp> stamp_of(const FramePlace& place) const {
+    const std::optional<Stamp> own = stream_->own_stamp();
+    if (own && !time_.is_time()) return *own;
+    return time_.stamp(place);
   }
 
   Result<void> check(const FrameView& frame) {
@@ -245,6 +253,12 @@ Result<std::unique_ptr<FrameStream>> open_stream(const FramePaths& paths,
   if (files.size() == 1) {
     const std::string& file = files.front();
     if (file == "-" || options.raw || is_raw_path(file)) return open_raw_input(file, options);
+    if (is_recording_path(file)) {
+      return open_mcap_stream(
+          file, {.damage = options.salvage ? mcap::Damage::skip : mcap::Damage::refuse,
+                 .max_pixels = options.max_pixels,
+                 .bit_depth = options.bit_depth});
+    }
     if (is_video_path(file)) return open_video(file, options.max_pixels);
     if (image_kind_of(file) == ImageKind::tiff) return open_tiff_stack(file, decode);
   }
@@ -262,7 +276,9 @@ Result<std::unique_ptr<FrameSource>> open_frames(const std::vector<std::string>&
   try {
     const auto checked = check(options);
     if (!checked) return checked.error();
-    auto time = TimeBase::make(options);
+    SourceOptions time_options = options;
+    if (paths.size() == 1 && is_recording_path(paths.front())) time_options.need_time = false;
+    auto time = TimeBase::make(time_options);
     if (!time) return time.error();
     auto expanded = expand_frame_paths(paths, options.raw.has_value());
     if (!expanded) return expanded.error();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where frames come from: one interface over image sequences, TIFF stacks, raw files, video and
-// standard input. Frames arrive in order, one at a time, in the pixel depth they were stored in.
-// A source belongs to one thread at a time.
+// Where frames come from: one interface over image sequences, TIFF stacks, raw files, video,
+// recordings and standard input. Frames arrive in order, one at a time, in the pixel depth they
+// were stored in. A source belongs to one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -52,7 +52,8 @@ Result<RawFormat> parse_raw_format(const std::string& text);
 Result<Roi> parse_roi(const std::string& text);
 
 struct SourceOptions {
-  /// Exactly one of these two gives the time base; none is an error unless need_time is false.
+  /// Exactly one of these two gives the time base; none is an error unless need_time is false or
+  /// the input is a recording, which has its own.
   std::optional<double> rate_hz = {};  // frames per second of the numbered sequence, > 0
   std::string timestamps_path = {};    // file with one stamp per frame, see docs/formats.md
   bool need_time = true;               // false: stamps are the index in ns (inspection only)
@@ -64,12 +65,14 @@ struct SourceOptions {
   std::optional<std::int64_t> stop = {};  // first index not delivered
   std::int64_t step = 1;                  // every step-th index from start
   bool ignore_numbers = false;            // numbers in names do not mean missing frames
+  bool salvage = false;                   // read what is sound of a damaged recording
 
   std::int64_t max_pixels = std::int64_t{64} << 20;  // a declared size above this is refused
 };
 
-/// `paths`: one directory, one glob pattern, one multi-page TIFF, one video, one raw file, "-",
-/// or a list of image files. Opens and reads up to and including the first frame delivered (on
+/// `paths`: one directory, one glob pattern, one multi-page TIFF, one video, one recording, one raw
+/// file, "-", or a list of image files. Opens and reads up to and including the first frame
+/// delivered (on
 /// "-" it waits for that frame); an error names the file. What is read how: docs/formats.md.
 Result<std::unique_ptr<FrameSource>> open_frames(const std::vector<std::string>& paths,
                                                  const SourceOptions& options);

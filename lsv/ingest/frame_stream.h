@@ -53,6 +53,9 @@ class FrameStream {
   virtual std::optional<std::int64_t> count() const { return std::nullopt; }
   virtual const std::vector<std::int64_t>* indices() const { return nullptr; }
 
+  /// Of the frame read last, for an input that knows when its frames were taken.
+  virtual std::optional<Stamp> own_stamp() const { return std::nullopt; }
+
   /// Complete after the first read().
   virtual std::vector<std::string> warnings() const { return {}; }
 };

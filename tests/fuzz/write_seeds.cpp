@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // fuzz_seeds FOLDER: writes a corpus for each fuzz target into FOLDER/<target>/.
+#include <algorithm>
 #include <cstdio>
 
 #include "calibration/sensor_maps_io.h"
+#include "lsv/mcap/tail.h"
+#include "tests/lsv/mcap/small_recording.h"
+#include "tests/lsv/record/recorded_stream.h"
 #include "tests/support/hostile_files.h"
 
 namespace {
@@ -120,6 +124,64 @@ void write_sensor_maps(const fs::path& folder) {
   }
 }
 
+Bytes plain_bytes(lsv::mcap::ByteView view) {
+  Bytes out(view.size());
+  std::ranges::transform(view, out.begin(), [](std::byte b) { return std::uint8_t(b); });
+  return out;
+}
+
+/// Also without CRCs, which a fuzzer cannot mend.
+void write_recordings(const fs::path& folder) {
+  using lsv::mcap::Compression;
+  for (const Compression compression : {Compression::none, Compression::zstd}) {
+    const lsv::mcap::Bytes file = lsv::test::small_file(12, compression);
+    const std::string name = compression == Compression::zstd ? "zstd" : "plain";
+    lsv::test::write_bytes(folder / "mcap" / name, plain_bytes(file));
+    lsv::test::write_bytes(folder / "mcap" / (name + "_no_crc"),
+                           plain_bytes(lsv::test::without_crcs(file)));
+  }
+}
+
+/// As lsv makes them, without the CRCs.
+void write_recorded_streams(const fs::path& folder, const fs::path& scratch) {
+  for (const lsv::mcap::Compression compression :
+       {lsv::mcap::Compression::none, lsv::mcap::Compression::zstd}) {
+    const fs::path path = scratch / "stream.mcap";
+    fs::remove(path);
+    lsv::RecorderOptions options = lsv::test::recorder_options(path.string());
+    options.compression = compression;
+    auto recorder = lsv::Recorder::create(options).value();
+    lsv::Frame frame;
+    for (std::int64_t index = 0; index < 3; ++index) lsv::test::push(*recorder, index, frame);
+    recorder->on_event(lsv::test::some_event());
+    recorder->on_health(lsv::test::some_health());
+    static_cast<void>(recorder->close());
+    const bool packed = compression == lsv::mcap::Compression::zstd;
+    const Bytes bytes = lsv::test::read_bytes(path);
+    const auto* const first = reinterpret_cast<const std::byte*>(bytes.data());
+    lsv::test::write_bytes(folder / "recording" / (packed ? "zstd" : "plain"),
+                           plain_bytes(lsv::test::without_crcs({first, first + bytes.size()})));
+  }
+}
+
+/// A tail, and the records in it alone.
+void write_tails(const fs::path& folder, const fs::path& scratch) {
+  const std::string path = (scratch / "rec.mcap.tail").string();
+  {
+    auto tail = lsv::mcap::TailFile::create(path, 400).value();
+    lsv::mcap::TailFile& kept = *tail;
+    lsv::test::MemoryDisk disk;
+    auto writer = lsv::mcap::Writer::create(std::make_unique<lsv::test::MemorySink>(disk),
+                                            std::move(tail), {})
+                      .value();
+    const auto channel = writer.add_channel(lsv::test::channel("image")).value();
+    static_cast<void>(writer.write({.channel = channel}, lsv::mcap::Bytes(20)));
+    writer.commit();
+    lsv::test::write_bytes(folder / "mcap_tail" / "records", plain_bytes(kept.bytes().first(150)));
+  }
+  lsv::test::write_bytes(folder / "mcap_tail" / "tail", lsv::test::read_bytes(path));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -128,8 +190,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   const fs::path folder = argv[1];
-  for (const char* target : {"image_decode", "tiff_stack", "timestamps", "option_text",
-                             "calibration", "csv_table", "sensor_maps"})
+  for (const char* target :
+       {"image_decode", "tiff_stack", "timestamps", "option_text", "calibration", "csv_table",
+        "sensor_maps", "mcap", "mcap_tail", "recording"})
     fs::create_directories(folder / target);
   const fs::path scratch = lsv::test::fresh_folder(folder, "scratch");
   write_images(folder, scratch);
@@ -138,6 +201,9 @@ int main(int argc, char** argv) {
   write_hostile(folder, scratch);
   write_texts(folder);
   write_sensor_maps(folder);
+  write_recordings(folder);
+  write_tails(folder, scratch);
+  write_recorded_streams(folder, scratch);
   fs::remove_all(scratch);
   return 0;
 }

@@ -21,6 +21,7 @@ sim::SpeckleCamera camera_of(const sim::SpeckleConfig& config) {
 struct Drive {
   double distance_error_percent = 0.0;
   double static_share = 0.0;
+  double least_static_share = 1.0;  // over the second half
   int refused = 0;
 };
 
@@ -36,6 +37,8 @@ Drive drive(const sim::SpeckleConfig& config, const TrackConfig& track, int fram
     frame.stamp = {k * std::int64_t{1'000'000}};
     report = odometer.push(frame.view()).value();
     if (k > 0 && report.shift.status != ShiftStatus::ok) ++out.refused;
+    if (2 * k > frames)
+      out.least_static_share = std::fmin(out.least_static_share, report.static_share);
   }
   const double distance_px =
       std::hypot(report.position.x_m / (14e-6 / 1.985), report.position.y_m / (14e-6 / 2.0));
@@ -133,15 +136,24 @@ TEST(FixedPattern, DirtIsLearnedAndTakenOut) {
         100.0 * learned.static_share);
     EXPECT_EQ(learned.refused, 0);
     EXPECT_LT(naive.distance_error_percent, -0.3);
-    EXPECT_GT(learned.distance_error_percent, 0.5 * naive.distance_error_percent);
-    if (share < kDirtyShare) {
-      EXPECT_LE(std::abs(learned.distance_error_percent), 0.2);
-    }
+    // Seen 0.026 % and 0.10 %; twice and five times as much when keyframes are given up as if the
+    // pattern changed.
+    EXPECT_LE(std::abs(learned.distance_error_percent), share < kDirtyShare ? 0.045 : 0.2);
     EXPECT_EQ(learned.static_share > kDirtyShare, share > kDirtyShare) << learned.static_share;
   }
 }
 
 // What lets nothing through is left out of the comparison: once it is known, no error is left.
+// Too much to be taken out: learning starts again and again, and the user goes on hearing of it.
+TEST(FixedPattern, MoreDirtThanCanBeTakenOutStaysTold) {
+  sim::SpeckleConfig config{.seed = 43};
+  config.sensor.dirt_share = 0.6;
+  const Drive driven = drive(config, test::bridget_config(), 1200);
+  std::printf("dirt over 60 %%: told %.0f %% at least, distance error %.3f %%\n",
+              100.0 * driven.least_static_share, driven.distance_error_percent);
+  EXPECT_GT(driven.least_static_share, kDirtyShare);
+}
+
 TEST(FixedPattern, OpaqueDirtIsLeftOut) {
   sim::SpeckleConfig config{.seed = 41};
   config.sensor.dirt_share = 0.1;
@@ -156,6 +168,38 @@ TEST(FixedPattern, OpaqueDirtIsLeftOut) {
   EXPECT_LE(std::abs(whole.distance_error_percent), 0.2);
   EXPECT_LE(std::abs(after_percent), 0.005);
   EXPECT_NEAR(whole.static_share, 0.1, 0.02);
+}
+
+// Uneven light disturbs little. What is known of a pixel after 32 looks is known to a fifth; were
+// each corrected by itself, the correction would be a rougher pattern than the light.
+TEST(FixedPattern, UnevenLightIsNotMadeRough) {
+  const sim::SpeckleConfig config{.seed = 77};
+  sim::SpeckleCamera camera = camera_of(config);
+  Odometer odometer = Odometer::create(test::bridget_config(), sim::frame_format(config)).value();
+  Frame frame;
+  double sum_px2 = 0.0;
+  constexpr int kFrames = 250;
+  for (int k = 0; k <= kFrames; ++k) {
+    ASSERT_TRUE(camera.render(k, {.x_px = 2.0 * k, .y_px = 0.6 * k}, frame));
+    for (int y = 0; y < 128; ++y) {
+      for (int x = 0; x < 128; ++x) {
+        const double from_centre = std::hypot(x - 63.5, y - 63.5) / 90.0;
+        const double light = std::pow(0.2, from_centre * from_centre);
+        frame.row8(y)[x] =
+            static_cast<std::uint8_t>(std::lround(3.0 + light * (frame.row8(y)[x] - 3.0)));
+      }
+    }
+    frame.stamp = {k * std::int64_t{1'000'000}};
+    const StepReport report = odometer.push(frame.view()).value();
+    if (k == 0) continue;
+    ASSERT_EQ(report.shift.status, ShiftStatus::ok) << k;
+    const double dx_px = report.shift.dx_px - 2.0;
+    const double dy_px = report.shift.dy_px - 0.6;
+    sum_px2 += dx_px * dx_px + dy_px * dy_px;
+  }
+  const double rms_px = std::sqrt(sum_px2 / (2.0 * kFrames));
+  std::printf("light falling to a fifth: %.2f mpx rms per axis\n", 1e3 * rms_px);
+  EXPECT_LT(rms_px, 0.0045);
 }
 
 // A border that never changes matches itself at rest, more strongly than the ground matches
@@ -211,6 +255,33 @@ TEST(FixedPattern, BoilingAtRestIsNoDirt) {
       EXPECT_EQ(report.shift.status, ShiftStatus::ok) << k;
     }
   }
+  EXPECT_LT(report.static_share, 0.01);
+}
+
+// While the pattern boils its places tell nothing, and while the vehicle stands they do not change:
+// neither makes the ground that it stands on count twice.
+TEST(FixedPattern, StopAndGoOverBoilingGroundTeachesNothing) {
+  const sim::SpeckleConfig config{.width_px = 96, .height_px = 96, .rho = 0.99, .seed = 77};
+  sim::SpeckleCamera camera = camera_of(config);
+  Odometer odometer = Odometer::create(test::bridget_config(), sim::frame_format(config)).value();
+  const auto x_px = [](int k) {
+    const int stops = k / 80;
+    return 2.0 * (20 * stops + std::min(k - 80 * stops, 20));
+  };
+  constexpr int kFrames = 640;
+  Frame frame;
+  StepReport report;
+  for (int k = 0; k <= kFrames; ++k) {
+    ASSERT_TRUE(camera.render(k, {.x_px = x_px(k), .y_px = 0.3 * x_px(k)}, frame));
+    frame.stamp = {k * std::int64_t{1'000'000}};
+    report = odometer.push(frame.view()).value();
+    if (k > 0) {
+      ASSERT_EQ(report.shift.status, ShiftStatus::ok) << k;
+    }
+  }
+  const double error_px = report.position.x_m / (14e-6 / 1.985) - x_px(kFrames);
+  std::printf("stop and go over boiling ground: %+.2f px after %.0f\n", error_px, x_px(kFrames));
+  EXPECT_LT(std::abs(error_px), 1.0);
   EXPECT_LT(report.static_share, 0.01);
 }
 

@@ -258,8 +258,9 @@ TEST_F(CalibratedCamera, AMeasuredScaleKeepsTheMaps) {
   const std::pair<double, double> ways_px[] = {{1000, 0}, {-1000, 0}, {0, 1000}, {0, -1000}};
   for (const auto& [x_px, y_px] : ways_px) {
     const std::string name = "run" + std::to_string(static_cast<int>(x_px + 2.0 * y_px)) + ".csv";
-    std::ofstream(folder_ + "/" + name) << "time_s,dx_px,dy_px,sigma_dx_px,sigma_dy_px,status\n0.1,"
-                                        << x_px << "," << y_px << ",0.01,0.01,ok\n";
+    std::ofstream(folder_ + "/" + name)
+        << "time_s,dt_s,dx_px,dy_px,sigma_dx_px,sigma_dy_px,status\n0.1,0.1," << x_px << "," << y_px
+        << ",0.01,0.01,ok\n";
     runs << name << "," << 7e-6 * x_px << "," << 7e-6 * y_px << ",1e-7\n";
   }
   runs.close();

@@ -54,7 +54,7 @@ void expect_one_line_error(const ProgramResult& result, int exit_code, const std
 TEST(Program, EveryCommandHasHelpWithAnExample) {
   const ProgramResult help = lsv_run({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const std::string command : {"track", "info", "simulate", "calibrate", "budget"})
+  for (const std::string command : {"track", "info", "simulate", "calibrate", "budget", "faults"})
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
   for (const std::vector<std::string>& command : {std::vector<std::string>{"track"},
                                                   {"info"},
@@ -62,7 +62,8 @@ TEST(Program, EveryCommandHasHelpWithAnExample) {
                                                   {"simulate", "flat"},
                                                   {"calibrate", "camera"},
                                                   {"calibrate", "geometry"},
-                                                  {"budget"}}) {
+                                                  {"budget"},
+                                                  {"faults"}}) {
     std::vector<std::string> args = command;
     args.emplace_back("--help");
     const ProgramResult result = lsv_run(args);
@@ -71,6 +72,16 @@ TEST(Program, EveryCommandHasHelpWithAnExample) {
     EXPECT_EQ(result.err, "");
   }
   EXPECT_NE(lsv_run({"--version"}).out.find("lsv "), std::string::npos);
+}
+
+TEST(Program, FaultsRunsOneAndWritesItsTable) {
+  const ProgramResult unknown = lsv_run({"faults", "--only", "Z"});
+  expect_one_line_error(unknown, 2, "lsv faults --list");
+  const ProgramResult run =
+      lsv_run({"faults", "--only", "T1", "--seeds", "1", "--exposures", "400", "--size", "64"});
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_NE(run.out.find("| T1 | "), std::string::npos);
+  EXPECT_NE(run.out.find("| holds |"), std::string::npos);
 }
 
 TEST(Program, UsageErrorsAreOneLineAndExitCodeTwo) {

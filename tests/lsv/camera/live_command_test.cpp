@@ -265,6 +265,30 @@ TEST_F(LiveCommand, TroubleIsCountedAndNothingWrongIsFlaggedValid) {
   EXPECT_NE(live.err.find("source_back"), std::string::npos) << live.err;
 }
 
+TEST_F(LiveCommand, ARecordingReplaysToTheSameBytes) {
+  START_CAMERA(camera, {"--rate-hz", "250", "--profile", "drive", "--speed-px", "2", "--speed-y-px",
+                        "1", "--loop-frames", "200", "--packet-loss", "5"});
+  const std::string out = std::filesystem::path(camera.truth_path()).parent_path().string();
+  const std::string recording = out + "/drive.mcap";
+  const test::ProgramResult recorded = test::run_program(
+      {LSV_PROGRAM, "record", "genicam:127.0.0.1", recording, "--calibration", calibration(),
+       "--seconds", "2", "-o", out + "/live", "--max-rejected", "1"});
+  camera.finish();
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  EXPECT_FALSE(std::filesystem::exists(recording + ".tail"));
+  const test::ProgramResult replayed =
+      test::run_program({LSV_PROGRAM, "replay", recording, "-o", out + "/replayed"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
+  // The lines above the table name the source.
+  const auto table = [&](const char* folder) {
+    const std::string text = test::read_text(out + folder + "/track.csv");
+    return text.substr(text.rfind("\n# "));
+  };
+  const std::string rows = table("/live");
+  EXPECT_GT(std::count(rows.begin(), rows.end(), '\n'), 50);
+  EXPECT_EQ(rows, table("/replayed"));
+}
+
 TEST_F(LiveCommand, AnInterruptLeavesCompleteFilesSoon) {
   START_CAMERA(camera, {"--rate-hz", "250", "--loop-frames", "50"});
   const std::string out = std::filesystem::path(camera.truth_path()).parent_path().string();

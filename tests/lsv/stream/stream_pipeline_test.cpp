@@ -14,19 +14,21 @@
 namespace lsv {
 namespace {
 
-using test::Delivery;
+using faults::Delivery;
+using faults::VirtualClock;
 using test::good_label;
 using test::kPeriod_ns;
 
 std::vector<Delivery> good_deliveries(std::int64_t exposures) {
   std::vector<Delivery> out;
-  for (std::int64_t k = 0; k < exposures; ++k) out.push_back({good_label(k), k});
+  for (std::int64_t k = 0; k < exposures; ++k)
+    out.push_back({.exposure = k, .picture = k, .label = good_label(k)});
   return out;
 }
 
 /// A pipeline, its clock and its listener.
 struct Bench {
-  test::VirtualClock clock;
+  VirtualClock clock{test::kBegin_ns};
   test::KeepingSink sink;
   std::unique_ptr<StreamPipeline> pipeline;
 
@@ -52,7 +54,7 @@ struct Bench {
 
 TEST(StreamPipeline, ReportsEveryFrameInOrder) {
   Bench bench;
-  test::ScriptedCamera camera(bench.clock, good_deliveries(200));
+  faults::VirtualCamera camera = test::virtual_camera(bench.clock, good_deliveries(200));
   bench.run(camera);
   ASSERT_EQ(bench.sink.reports.size(), 200U);
   for (std::size_t k = 0; k < 200; ++k) {
@@ -80,7 +82,7 @@ TEST(StreamPipeline, ReportsEveryFrameInOrder) {
 TEST(StreamPipeline, ASlowConsumerCostsTheOldestFramesAndNothingElse) {
   constexpr int kDepth = 8;
   Bench bench({.queue_frames = kDepth});
-  test::ScriptedCamera camera(bench.clock, good_deliveries(2000));
+  faults::VirtualCamera camera = test::virtual_camera(bench.clock, good_deliveries(2000));
   std::int64_t age_max_ns = 0;
   for (int i = 0; bench.pipeline->capture(camera); ++i) {
     test::expect_balanced(bench.pipeline->health());
@@ -131,7 +133,7 @@ TEST(StreamPipeline, HolesAreAccountedForByTheReportAfterThem) {
     deliveries.push_back(one);
   }
   Bench bench({.queue_frames = 4});
-  test::ScriptedCamera camera(bench.clock, deliveries);
+  faults::VirtualCamera camera = test::virtual_camera(bench.clock, deliveries);
   while (bench.pipeline->capture(camera)) {
     if (random() % 4 != 0) bench.pipeline->work(0);
   }
@@ -155,7 +157,7 @@ TEST(StreamPipeline, SilenceIsToldOnceWithin100msAndSoIsItsEnd) {
   std::vector<Delivery> deliveries = good_deliveries(1000);
   deliveries.erase(deliveries.begin() + 100, deliveries.begin() + 600);
   Bench bench;
-  test::ScriptedCamera camera(bench.clock, deliveries);
+  faults::VirtualCamera camera = test::virtual_camera(bench.clock, deliveries);
   std::vector<StreamState> states;
   while (bench.pipeline->capture(camera)) {
     const StreamState state = bench.pipeline->health().state;
@@ -178,7 +180,7 @@ TEST(StreamPipeline, SilenceIsToldOnceWithin100msAndSoIsItsEnd) {
 
 TEST(StreamPipeline, ASourceThatFailsDegradesTheStream) {
   Bench bench;
-  test::ScriptedCamera camera(bench.clock, good_deliveries(20));
+  faults::VirtualCamera camera = test::virtual_camera(bench.clock, good_deliveries(20));
   camera.fail_at_end("the cable was pulled");
   bench.run(camera);
   EXPECT_EQ(bench.sink.reports.size(), 20U) << "what came before is measured";
@@ -197,8 +199,8 @@ TEST(StreamPipeline, AnotherFormatIsRefusedAndTheCameraOpenedAnewOnce) {
   }
   for (const bool reopens : {true, false}) {
     Bench bench;
-    test::ScriptedCamera camera(bench.clock, deliveries);
-    camera.reopens = reopens;
+    faults::VirtualCamera camera = test::virtual_camera(bench.clock, deliveries);
+    camera.set_reopens(reopens);
     std::vector<StreamState> states;
     while (bench.pipeline->capture(camera)) {
       const StreamState state = bench.pipeline->health().state;
@@ -214,7 +216,7 @@ TEST(StreamPipeline, AnotherFormatIsRefusedAndTheCameraOpenedAnewOnce) {
     EXPECT_EQ(health.processed, 300 - 131);
     EXPECT_EQ(bench.sink.count("source_reopening"), reopens ? 2 : 0);
     EXPECT_EQ(bench.sink.count("wrong_format"), 2);
-    EXPECT_EQ(camera.reopen_requests, 2) << "once each time";
+    EXPECT_EQ(camera.reopen_requests(), 2) << "once each time";
   }
 }
 
@@ -241,7 +243,7 @@ TEST(StreamPipeline, WhatTheOdometerRefusesIsCounted) {
     void stop() override {}
   } camera;
   camera.said = info;
-  test::VirtualClock clock;
+  VirtualClock clock(test::kBegin_ns);
   test::KeepingSink sink;
   auto pipeline =
       StreamPipeline::create(test::loop_config(), info, {}, {&sink}, clock.function()).value();
@@ -277,7 +279,7 @@ TEST(StreamPipeline, ASinkThatThrowsOrKeepsFramesHurtsNobody) {
                                             {&swapped.sink, &keeping}, swapped.clock.function())
                          .value();
   for (Bench* const one : {&bench, &swapped}) {
-    test::ScriptedCamera camera(one->clock, good_deliveries(100));
+    faults::VirtualCamera camera = test::virtual_camera(one->clock, good_deliveries(100));
     one->run(camera);
     EXPECT_EQ(one->sink.reports.size(), 100U);
     EXPECT_EQ(one->pipeline->health().shifts_ok, 99);
@@ -289,7 +291,7 @@ TEST(StreamPipeline, ASinkThatThrowsOrKeepsFramesHurtsNobody) {
 TEST(StreamPipeline, StopMeasuresWhatWaitsForAShortTimeOnly) {
   for (const bool in_time : {true, false}) {
     Bench bench;
-    test::ScriptedCamera camera(bench.clock, good_deliveries(100));
+    faults::VirtualCamera camera = test::virtual_camera(bench.clock, good_deliveries(100));
     for (int i = 0; i < 40; ++i) ASSERT_TRUE(bench.pipeline->capture(camera));
     bench.pipeline->stop();
     EXPECT_FALSE(bench.pipeline->capture(camera));
@@ -307,7 +309,7 @@ TEST(StreamPipeline, StopMeasuresWhatWaitsForAShortTimeOnly) {
 // R10.
 TEST(StreamPipeline, AWorkerThatHangsIsFlagged) {
   Bench bench;
-  test::ScriptedCamera camera(bench.clock, good_deliveries(1200));
+  faults::VirtualCamera camera = test::virtual_camera(bench.clock, good_deliveries(1200));
   std::int64_t flagged_after_ns = 0;
   for (int i = 0; i < 1200; ++i) {
     ASSERT_TRUE(bench.pipeline->capture(camera));
@@ -326,7 +328,7 @@ TEST(StreamPipeline, HealthComesOncePerSecondEvenInSilence) {
   std::vector<Delivery> deliveries = good_deliveries(6000);
   deliveries.erase(deliveries.begin() + 2000, deliveries.begin() + 5000);
   Bench bench;
-  test::ScriptedCamera camera(bench.clock, deliveries);
+  faults::VirtualCamera camera = test::virtual_camera(bench.clock, deliveries);
   bench.run(camera);
   ASSERT_EQ(bench.sink.healths.size(), 6U + 1U) << "and one at the end";
   EXPECT_NEAR(bench.sink.healths[0].frame_rate_hz, 1000.0, 2.0);
@@ -336,7 +338,7 @@ TEST(StreamPipeline, HealthComesOncePerSecondEvenInSilence) {
 }
 
 TEST(StreamPipeline, RefusesWhatCannotBe) {
-  test::VirtualClock clock;
+  VirtualClock clock(test::kBegin_ns);
   const auto make = [&](const StreamOptions& options, const LiveSourceInfo& info) {
     return StreamPipeline::create(test::loop_config(), info, options, {}, clock.function());
   };

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the tests of the stream share: pictures of a moving pattern, rendered once, and a camera
-// that delivers them on a clock of its own.
+// that shows them on a clock of its own.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "lsv/stream/host_clock.h"
 #include "lsv/stream/live_source.h"
 #include "lsv/stream/stream_sink.h"
+#include "tools/faults/virtual_camera.h"
 #include "tools/simulated_loop.h"
 
 namespace lsv::test {
@@ -37,91 +35,22 @@ inline LiveSourceInfo loop_info() {
   return {.description = "the test camera", .format = loop().format(), .period_ns = kPeriod_ns};
 }
 
-/// Time that passes when a test says so.
-class VirtualClock {
- public:
-  std::int64_t now_ns() const { return now_ns_; }
-  void advance_to(std::int64_t ns) { now_ns_ = std::max(now_ns_.load(), ns); }
-  MonotonicClock function() {
-    return [this] { return now_ns_.load(); };
-  }
+inline constexpr std::int64_t kBegin_ns = 1'000'000'000;
 
- private:
-  std::atomic<std::int64_t> now_ns_{1'000'000'000};
-};
-
-/// Exposure `k` of a camera that does all right, from the start of a VirtualClock on.
+/// Exposure `k` of a camera that does all right, from kBegin_ns on.
 inline FrameLabel good_label(std::int64_t k) {
-  const std::int64_t at_ns = 1'000'000'000 + (k + 1) * kPeriod_ns;
+  const std::int64_t at_ns = kBegin_ns + (k + 1) * kPeriod_ns;
   return {.camera_id = static_cast<std::uint64_t>(k + 1),
           .camera_ns = at_ns,
           .arrival_ns = at_ns + 100'000};
 }
 
-struct Delivery {
-  FrameLabel label{};
-  std::int64_t picture = 0;
-  std::optional<FrameFormat> format{};  // when not that of the loop: a black frame of it
-};
-
-/// Sends a list of deliveries, in order of their arrival, and moves the clock to it.
-class ScriptedCamera : public LiveSource {
- public:
-  ScriptedCamera(VirtualClock& clock, std::vector<Delivery> deliveries)
-      : clock_(clock), info_(loop_info()), deliveries_(std::move(deliveries)) {}
-
-  const LiveSourceInfo& info() const override { return info_; }
-  Result<Grab> grab(Frame& out, FrameLabel& label, std::int64_t timeout_ns) override {
-    if (next_ >= deliveries_.size()) {
-      if (!error_.empty()) return Error{ErrorCode::bad_input, error_};
-      return Grab::ended;
-    }
-    const Delivery& delivery = deliveries_[next_];
-    const std::int64_t latest_ns = clock_.now_ns() + timeout_ns;
-    if (delivery.label.arrival_ns > latest_ns) {
-      clock_.advance_to(latest_ns);
-      return Grab::nothing;
-    }
-    clock_.advance_to(delivery.label.arrival_ns);
-    label = delivery.label;
-    fill(delivery, out);
-    ++next_;
-    return Grab::frame;
-  }
-  void stop() override {}
-  bool reopen() override {
-    ++reopen_requests;
-    return reopens;
-  }
-  std::int64_t restarts() const override { return 0; }
-
-  /// Instead of coming to its end.
-  void fail_at_end(std::string error) { error_ = std::move(error); }
-
-  bool reopens = false;
-  int reopen_requests = 0;
-
- private:
-  static void fill(const Delivery& delivery, Frame& out) {
-    const FrameView picture = loop().frame(delivery.picture);
-    const FrameFormat format = delivery.format.value_or(picture.format);
-    out.reset(format);
-    const std::size_t row_bytes =
-        static_cast<std::size_t>(format.width_px) * bytes_per_pixel(format.type);
-    for (int y = 0; y < format.height_px; ++y) {
-      if (delivery.format)
-        std::memset(out.row(y), 0, row_bytes);
-      else
-        std::memcpy(out.row(y), picture.row8(y), row_bytes);
-    }
-  }
-
-  VirtualClock& clock_;
-  LiveSourceInfo info_;
-  std::vector<Delivery> deliveries_;
-  std::size_t next_ = 0;
-  std::string error_;
-};
+/// Shows the loop.
+inline faults::VirtualCamera virtual_camera(faults::VirtualClock& clock,
+                                            std::vector<faults::Delivery> deliveries) {
+  return {clock, loop_info(), [](std::int64_t k) { return loop().frame(k); },
+          std::move(deliveries)};
+}
 
 /// Keeps all that it is told.
 struct KeepingSink : StreamSink {
