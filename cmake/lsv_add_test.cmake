@@ -5,7 +5,7 @@ pkg_check_modules(kissfft IMPORTED_TARGET kissfft-float)
 # It must be a program, as what shares its headers is.
 add_executable(lsv_test_headers ${PROJECT_SOURCE_DIR}/cmake/empty.cpp)
 target_link_libraries(lsv_test_headers PRIVATE lsv_flags GTest::gtest)
-target_compile_options(lsv_test_headers PRIVATE $<$<CONFIG:Release>:-O1>)
+target_compile_options(lsv_test_headers PRIVATE -pthread $<$<CONFIG:Release>:-O1>)
 target_precompile_headers(
   lsv_test_headers
   PRIVATE
@@ -39,8 +39,9 @@ endfunction()
 macro(lsv_test_program program fft prefix)
   add_executable(${program} ${arg_SOURCES})
   target_link_libraries(${program} PRIVATE lsv_flags ${arg_LIBS} GTest::gtest GTest::gtest_main)
-  # What is tested is optimised; the tests themselves are compiled once and run once.
-  target_compile_options(${program} PRIVATE $<$<CONFIG:Release>:-O1>)
+  # What is tested is optimised; the tests themselves are compiled once and run once. Some libraries
+  # ask for -pthread, and all that share headers must be compiled alike.
+  target_compile_options(${program} PRIVATE -pthread $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${program} PRIVATE LSV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                 LSV_FFT_BACKEND="${fft}")
   target_precompile_headers(${program} REUSE_FROM lsv_test_headers)
