@@ -249,6 +249,8 @@ Hdf5Recording::~Hdf5Recording() = default;
 
 Result<Hdf5Recording> Hdf5Recording::create(const std::string& path, const RecordedFrame& first,
                                             const RecordingNotes& notes) {
+  // On a full disk the library's own clean-up at exit would crash; files are closed here.
+  H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are values here
   std::error_code unknown;
   if (std::filesystem::exists(path, unknown)) {

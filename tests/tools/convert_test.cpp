@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "lsv/record/recorder.h"
+#include "tests/lsv/mcap/file_limit.h"
 #include "tests/lsv/mcap/scratch.h"
 #include "tests/lsv/record/recorded_stream.h"
 #include "tests/support/run_program.h"
@@ -137,6 +138,19 @@ TEST(Convert, OverwritesNothingAndLeavesNothingOfAFailure) {
   const ProgramResult bad = lsv_run({"convert", scratch.file("bad.mcap"), scratch.file("bad.h5")});
   EXPECT_EQ(bad.exit_code, 3);
   EXPECT_FALSE(std::filesystem::exists(scratch.file("bad.h5")));
+}
+
+TEST(Convert, SaysThatTheDiskIsFullWhereverThatHappens) {
+  const test::Scratch scratch;
+  write_recording(scratch.file("rec.mcap"));
+  for (const rlim_t size_bytes : {1'000U, 5'000U, 20'000U, 60'000U}) {
+    const test::FileLimit full(size_bytes);
+    const ProgramResult result =
+        lsv_run({"convert", "-q", scratch.file("rec.mcap"), scratch.file("rec.h5")});
+    EXPECT_EQ(result.exit_code, 1) << size_bytes << ": " << result.err;
+    EXPECT_NE(result.err.find("rec.h5: the disk may be full"), std::string::npos) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(scratch.file("rec.h5")));
+  }
 }
 
 TEST(Convert, ShowsAnExample) {
