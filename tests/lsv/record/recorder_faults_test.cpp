@@ -120,6 +120,25 @@ TEST(RecorderFaults, FramesLostAtTheVeryEndAreToldToo) {
   expect_all_accounted_for(test::read_recording(mcap::memory_source("rec.mcap", disk.bytes())), 10);
 }
 
+TEST(RecorderFaults, EventsThatFoundNoRoomAreCounted) {
+  Disk disk;
+  RecorderOptions options{.format = kSmallFormat};
+  options.flush_ns = 1;
+  auto recorder = Recorder::create(options, disk.sink());
+  ASSERT_TRUE(recorder.ok());
+  disk.stop(true);
+  Frame frame;
+  test::push(*recorder.value(), 0, frame);
+  disk.wait_for_a_write();
+  for (int i = 0; i < 1100; ++i) recorder.value()->on_event(test::some_event());
+  disk.stop(false);
+  ASSERT_TRUE(recorder.value()->close().ok());
+  const Recorded back = test::read_recording(mcap::memory_source("rec.mcap", disk.bytes()));
+  EXPECT_EQ(back.count("frames_missing"), 1000);
+  ASSERT_EQ(back.count("notes_lost"), 1);
+  EXPECT_TRUE(back.events.back().text.starts_with("100 ")) << back.events.back().text;
+}
+
 TEST(RecorderFaults, AFullDiskIsOneAlarmAndADropoutWhenItHasSpaceAgain) {
   Disk disk;
   Alarms alarms;
