@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
   add_record_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_recover_command(app, exit_code);
+  add_convert_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_calibrate_command(app, exit_code);
   add_budget_command(app, exit_code);

@@ -24,7 +24,7 @@ class McapStream : public FrameStream {
   std::optional<Stamp> own_stamp() const override { return last_stamp_; }
 
   Result<bool> read(Frame& out) override {
-    const auto there = pass();
+    auto there = pass();
     if (!there || !there.value()) return there;
     std::swap(out, ahead_.frame);
     read_ahead();
@@ -32,7 +32,7 @@ class McapStream : public FrameStream {
   }
 
   Result<bool> skip() override {
-    const auto there = pass();
+    auto there = pass();
     if (there && there.value()) read_ahead();
     return there;
   }

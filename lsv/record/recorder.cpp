@@ -123,7 +123,10 @@ class Recorder::Worker {
   void push(std::variant<StreamEvent, HealthSnapshot> note) {
     {
       const std::lock_guard lock(notes_mutex_);
-      if (notes_.size() < kMaxWaiting) notes_.push_back({now_ns(), std::move(note)});
+      if (notes_.size() < kMaxWaiting)
+        notes_.push_back({now_ns(), std::move(note)});
+      else
+        ++notes_lost_;
     }
     wakeup_.post();
   }
@@ -189,6 +192,14 @@ class Recorder::Worker {
     {
       const std::lock_guard lock(notes_mutex_);
       notes.swap(notes_);
+      if (const std::int64_t lost = std::exchange(notes_lost_, 0); lost > 0) {
+        notes.push_back({now_ns(), StreamEvent{.host_ns = now_ns(),
+                                               .severity = Severity::warning,
+                                               .name = "notes_lost",
+                                               .text = std::to_string(lost) +
+                                                       " events or health messages are not in "
+                                                       "the recording"}});
+      }
     }
     while (!notes.empty()) {
       const Note& note = notes.front();
@@ -284,7 +295,8 @@ class Recorder::Worker {
   std::atomic<bool> closing_{false};
 
   std::mutex notes_mutex_;
-  std::deque<Note> notes_;  // under the mutex
+  std::deque<Note> notes_;  // under the mutex, as is the next
+  std::int64_t notes_lost_ = 0;
 
   bool failing_ = false;
   mcap::Dropout lost_{};  // frames since the last that was written

@@ -56,7 +56,8 @@ void add_wrong_names(HostileSet& set) {
   const TestImage image = random_image(8, 8, 1);
   const Bytes png = encode_png(image);
   const Bytes pgm = encode_pgm(image, 255);
-  for (const char* name : {"is_png.pgm", "is_png.tif", "is_png.bmp", "is_png.jpg", "is_png.avi"})
+  for (const char* name :
+       {"is_png.pgm", "is_png.tif", "is_png.bmp", "is_png.jpg", "is_png.avi", "is_png.mcap"})
     set.add(name, png, "a PNG under another name");
   set.add("is_pgm.png", pgm, "a PGM under another name");
   set.add("text.png", bytes_of("hello\n"), "text named PNG");

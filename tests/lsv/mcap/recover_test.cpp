@@ -2,12 +2,11 @@
 #include "lsv/mcap/recover.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <random>
 
 #include "lsv/mcap/tail.h"
+#include "tests/lsv/mcap/file_limit.h"
 #include "tests/lsv/mcap/scratch.h"
 #include "tests/lsv/mcap/small_recording.h"
 
@@ -214,35 +213,13 @@ TEST(FileSink, KeepsAnExistingFile) {
   EXPECT_EQ(test::file_bytes(path).size(), 3U);
 }
 
-/// While it lives, files of this process may not grow beyond a size: a full disk that needs no
-/// disk.
-class FileLimit {
- public:
-  explicit FileLimit(rlim_t size_bytes) {
-    before_signal_ = std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{.rlim_cur = size_bytes, .rlim_max = before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  FileLimit(const FileLimit&) = delete;
-  FileLimit& operator=(const FileLimit&) = delete;
-  ~FileLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, before_signal_);
-  }
-
- private:
-  rlimit before_{};
-  void (*before_signal_)(int) = nullptr;
-};
-
 TEST(FileSink, ReportsAWriteThatIsCutShortAndCutsItOff) {
   const test::Scratch scratch;
   const std::string path = scratch.file("rec.mcap");
   auto sink = mcap::create_file(path).value();
   ASSERT_TRUE(sink->append(Bytes(900)).ok());
   {
-    const FileLimit limit(1000);
+    const test::FileLimit limit(1000);
     const Result<void> written = sink->append(Bytes(200, std::byte{1}));
     ASSERT_FALSE(written.ok());
     EXPECT_NE(written.error().message.find(path), std::string::npos);

@@ -3,7 +3,6 @@
 // lacks.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,6 +14,7 @@
 
 #include "lsv/mcap/recover.h"
 #include "lsv/mcap/tail.h"
+#include "tests/lsv/mcap/file_limit.h"
 #include "tests/lsv/mcap/memory_sink.h"
 #include "tests/lsv/mcap/scratch.h"
 #include "tests/lsv/record/recorded_stream.h"
@@ -120,6 +120,25 @@ TEST(RecorderFaults, FramesLostAtTheVeryEndAreToldToo) {
   expect_all_accounted_for(test::read_recording(mcap::memory_source("rec.mcap", disk.bytes())), 10);
 }
 
+TEST(RecorderFaults, EventsThatFoundNoRoomAreCounted) {
+  Disk disk;
+  RecorderOptions options{.format = kSmallFormat};
+  options.flush_ns = 1;
+  auto recorder = Recorder::create(options, disk.sink());
+  ASSERT_TRUE(recorder.ok());
+  disk.stop(true);
+  Frame frame;
+  test::push(*recorder.value(), 0, frame);
+  disk.wait_for_a_write();
+  for (int i = 0; i < 1100; ++i) recorder.value()->on_event(test::some_event());
+  disk.stop(false);
+  ASSERT_TRUE(recorder.value()->close().ok());
+  const Recorded back = test::read_recording(mcap::memory_source("rec.mcap", disk.bytes()));
+  EXPECT_EQ(back.count("frames_missing"), 1000);
+  ASSERT_EQ(back.count("notes_lost"), 1);
+  EXPECT_TRUE(back.events.back().text.starts_with("100 ")) << back.events.back().text;
+}
+
 TEST(RecorderFaults, AFullDiskIsOneAlarmAndADropoutWhenItHasSpaceAgain) {
   Disk disk;
   Alarms alarms;
@@ -162,20 +181,17 @@ TEST(RecorderFaults, AFullDiskIsOneAlarmAndADropoutWhenItHasSpaceAgain) {
 TEST(RecorderFaults, WhatAFullDiskDidNotTakeAtTheEndIsInTheTail) {
   const test::Scratch scratch;
   const std::string path = scratch.file("rec.mcap");
-  // Files of this process may not grow; the tail has its space already.
-  std::signal(SIGXFSZ, SIG_IGN);
   RecorderOptions options{.path = path, .format = kSmallFormat, .chunk_bytes = 60'000};
   options.flush_ns = 1'000'000'000'000;
   auto recorder = Recorder::create(options);
   ASSERT_TRUE(recorder.ok());
-  rlimit before{};
-  ::getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit full{.rlim_cur = test::file_bytes(path).size() + 100, .rlim_max = before.rlim_max};
-  ::setrlimit(RLIMIT_FSIZE, &full);
+  // The tail has its space already.
+  std::optional<test::FileLimit> full;
+  full.emplace(test::file_bytes(path).size() + 100);
   Frame frame;
   for (std::int64_t index = 0; index < 400; ++index) test::push(*recorder.value(), index, frame);
   const Result<void> closed = recorder.value()->close();
-  ::setrlimit(RLIMIT_FSIZE, &before);
+  full.reset();
   ASSERT_FALSE(closed.ok());
   EXPECT_NE(closed.error().message.find(path), std::string::npos) << closed.error().message;
   const std::int64_t dropped = recorder.value()->frames_dropped();
