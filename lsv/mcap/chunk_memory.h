@@ -2,8 +2,12 @@
 // Where the records of the open chunk lie until the chunk is written to the file.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <memory>
 #include <span>
+#include <utility>
 
 #include "lsv/mcap/bytes.h"
 
@@ -24,17 +28,23 @@ class ChunkMemory {
 /// Lost with the process.
 class HeapChunk : public ChunkMemory {
  public:
-  explicit HeapChunk(std::size_t size_bytes) : bytes_(size_bytes) {}
+  explicit HeapChunk(std::size_t size_bytes)
+      : bytes_(std::make_unique_for_overwrite<std::byte[]>(size_bytes)), size_bytes_(size_bytes) {}
 
-  std::span<std::byte> bytes() override { return bytes_; }
+  std::span<std::byte> bytes() override { return {bytes_.get(), size_bytes_}; }
   bool grow(std::size_t size_bytes) override {
-    if (bytes_.size() < size_bytes) bytes_.resize(size_bytes);
+    if (size_bytes <= size_bytes_) return true;
+    auto larger = std::make_unique_for_overwrite<std::byte[]>(size_bytes);
+    std::memcpy(larger.get(), bytes_.get(), size_bytes_);
+    bytes_ = std::move(larger);
+    size_bytes_ = size_bytes;
     return true;
   }
   void commit(std::uint64_t, std::size_t, std::uint32_t) override {}
 
  private:
-  Bytes bytes_;
+  std::unique_ptr<std::byte[]> bytes_;  // only what is used is ever touched
+  std::size_t size_bytes_;
 };
 
 }  // namespace lsv::mcap
