@@ -58,8 +58,8 @@ struct HealthSnapshot {
   std::int64_t dropped = 0;    // by the image queue: the worker was too slow
   std::int64_t queued = 0;     // waiting or being measured now
   std::array<std::int64_t, kAllFrameRejections.size()> rejected{};  // in that order
-  std::int64_t missing = 0;     // exposures that had not arrived when a later one did, by the stamps
-  std::int64_t gaps = 0;        // runs of missing exposures
+  std::int64_t missing = 0;  // exposures that had not arrived when a later one did, by the stamps
+  std::int64_t gaps = 0;     // runs of missing exposures
   std::int64_t bad_stamps = 0;  // stamps replaced by id x period
 
   std::int64_t shifts_ok = 0;
@@ -72,8 +72,8 @@ struct HealthSnapshot {
   std::int64_t restarts = 0;          // times that the source was re-opened
   std::int64_t transport_losses = 0;  // packets or frames that the camera's driver counted as lost
 
-  double frame_rate_hz = kUnknown;  // over the last second
-  LatencySummary latency{};         // arrival of a frame to its result
+  double frame_rate_hz = kUnknown;    // over the last second
+  LatencySummary latency{};           // arrival of a frame to its result
   double queue_age_max_s = kUnknown;  // longest wait of a frame before it was measured
   double since_result_s = kUnknown;   // age of the last result
   std::int64_t worker_stalls = 0;     // times that frames waited half a second without a result
