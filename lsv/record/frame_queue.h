@@ -15,7 +15,7 @@
 
 namespace lsv {
 
-struct QueuedFrame {
+struct FrameToRecord {
   StreamReport report{};
   Frame frame{};
   std::uint64_t ordinal = 0;    // of all reports, those that found the queue full included
@@ -25,7 +25,7 @@ struct QueuedFrame {
 class FrameQueue {
  public:
   FrameQueue(std::size_t frames, const FrameFormat& format) : slots_(frames) {
-    for (QueuedFrame& slot : slots_) slot.frame.reset(format);
+    for (FrameToRecord& slot : slots_) slot.frame.reset(format);
   }
 
   /// Swaps `frame` into the ring, or returns false when it is full. Allocates nothing.
@@ -33,7 +33,7 @@ class FrameQueue {
             const mcap::Dropout& lost_before) {
     const std::size_t end = end_.load(std::memory_order_relaxed);
     if (end - begin_.load(std::memory_order_acquire) == slots_.size()) return false;
-    QueuedFrame& slot = slots_[end % slots_.size()];
+    FrameToRecord& slot = slots_[end % slots_.size()];
     slot.report = report;
     std::swap(slot.frame, frame);
     slot.ordinal = ordinal;
@@ -43,7 +43,7 @@ class FrameQueue {
   }
 
   /// Null when there is none; valid until pop().
-  const QueuedFrame* front() const {
+  const FrameToRecord* front() const {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     if (begin == end_.load(std::memory_order_acquire)) return nullptr;
     return &slots_[begin % slots_.size()];
@@ -51,7 +51,7 @@ class FrameQueue {
   void pop() { begin_.fetch_add(1, std::memory_order_release); }
 
  private:
-  std::vector<QueuedFrame> slots_;
+  std::vector<FrameToRecord> slots_;
   // Counted up for ever; on lines of their own, so that the threads do not slow each other.
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};

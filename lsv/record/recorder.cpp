@@ -152,7 +152,7 @@ class Recorder::Worker {
     for (;;) {
       const bool last_round = closing_.load(std::memory_order_acquire);
       write_notes();
-      while (const QueuedFrame* frame = queue_.front()) {
+      while (const FrameToRecord* frame = queue_.front()) {
         record(*frame);
         queue_.pop();
         do_what_is_due();
@@ -164,7 +164,7 @@ class Recorder::Worker {
     end_ = finish();
   }
 
-  void record(const QueuedFrame& frame) {
+  void record(const FrameToRecord& frame) {
     add(lost_, frame.lost_before);
     // While frames are missing none is added before the disk has taken what waits for it.
     const bool may_write = lost_.frames == 0 || (!failing_ && write_dropout());

@@ -114,7 +114,7 @@ Result<void> RecordingWriter::add_settings(const RecorderOptions& options,
                                  .data = options.sensor_maps_tiff});
 }
 
-Result<void> RecordingWriter::add_frame(const QueuedFrame& frame) {
+Result<void> RecordingWriter::add_frame(const FrameToRecord& frame) {
   const StepReport& step = frame.report.step;
   const bool has_odometry = step.shift.status == ShiftStatus::ok;
   mcap::encode(note_of(frame.report, frame.frame.view()), note_);

@@ -26,7 +26,7 @@ class RecordingWriter {
                                         std::unique_ptr<mcap::ChunkMemory> chunk);
 
   // Each is written whole or not at all, and outlives the process where the chunk does.
-  Result<void> add_frame(const QueuedFrame& frame);
+  Result<void> add_frame(const FrameToRecord& frame);
   Result<void> add_dropout(const mcap::Dropout& dropout);
   Result<void> add_event(const StreamEvent& event);
   Result<void> add_health(const HealthSnapshot& health, std::int64_t host_ns);
