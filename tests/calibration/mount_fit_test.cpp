@@ -79,6 +79,9 @@ TEST(MountFit, RecoversExactMountsAllAround) {
 // The claim of the calibration: 100 repetitions, each figure within 2 sigma in at least 90 % of
 // them, and the sigmas right to 20 %.
 TEST(MountFit, SigmasAreHonest) {
+#ifdef LSV_SANITIZED
+  GTEST_SKIP() << "100 fits; under a sanitizer more of the same says nothing more";
+#endif
   constexpr int kRepetitions = 100;
   const sim::BodyDrive drive = mixed_drive();
   double sum_squares[3] = {};

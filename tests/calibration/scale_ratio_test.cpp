@@ -48,6 +48,9 @@ ScaleRatio fitted(const BodyReference& reference, const SensorTrack& first,
 
 // 100 repetitions: within 2 sigma in at least 90 %, the sigma right to 20 %.
 TEST(ScaleRatio, SigmaIsHonest) {
+#ifdef LSV_SANITIZED
+  GTEST_SKIP() << "100 fits; under a sanitizer more of the same says nothing more";
+#endif
   constexpr int kRepetitions = 100;
   const sim::BodyDrive drive = mixed_drive();
   double sum_squares = 0.0;
