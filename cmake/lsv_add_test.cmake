@@ -43,8 +43,10 @@ macro(lsv_test_program program fft prefix)
   # ask for -pthread, and all that share headers must be compiled alike.
   target_compile_options(${program} PRIVATE -pthread $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${program} PRIVATE LSV_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                                                LSV_FFT_BACKEND="${fft}"
-                                                $<$<BOOL:${LSV_SANITIZE}>:LSV_SANITIZED>)
+                                                LSV_FFT_BACKEND="${fft}")
+  if(LSV_SANITIZE)
+    target_compile_definitions(${program} PRIVATE LSV_SANITIZED)
+  endif()
   target_precompile_headers(${program} REUSE_FROM lsv_test_headers)
   gtest_discover_tests(
     ${program}
