@@ -4,11 +4,14 @@
 // sigma model was fitted, so that a lost digit shows.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "lsv/odometer.h"
+#include "lsv/shift_meter.h"
 #include "sim/speckle.h"
 #include "tests/support/calibration.h"
 
@@ -154,6 +157,69 @@ TEST(Accuracy, UnrelatedFramesAreNeverAccepted) {
         EXPECT_NE(report.shift.status, ShiftStatus::ok) << side_px << " " << speckle_px;
       }
     }
+  }
+}
+
+/// Every peak is accepted, however doubtful.
+TrackConfig ungated() {
+  TrackConfig out = test::bridget_config();
+  out.gate.min_zncc = -1.0;
+  out.gate.min_zncc_sigmas = 0.0;
+  out.gate.min_q = 0.0;
+  out.gate.min_peak_ratio = 0.0;
+  return out;
+}
+
+// Of the peaks that are said to be wrong with a probability p, a share of p is wrong.
+TEST(Accuracy, OutlierProbabilityIsWhatItSays) {
+#ifdef LSV_SANITIZED
+  GTEST_SKIP() << "1,620 searches; under a sanitizer more of the same says nothing more";
+#endif
+  struct Class {
+    int pairs = 0;
+    int wrong = 0;
+    double expected = 0.0;
+    double variance = 0.0;
+  };
+  std::array<Class, 4> classes;  // up to 0.1, 0.35, 0.65, 1
+  unsigned seed = 100;
+  for (const int side_px : {48, 64, 96}) {
+    for (const double speckle_px : {3.0, 4.0, 6.0}) {
+      for (const double rho : {0.05, 0.1, 0.15, 0.2, 0.3, 0.4}) {
+        const sim::SpeckleConfig config{.width_px = side_px,
+                                        .height_px = side_px,
+                                        .speckle_px = speckle_px,
+                                        .rho = rho,
+                                        .seed = ++seed};
+        sim::SpeckleCamera camera = sim::SpeckleCamera::create(config).value();
+        ShiftMeter meter = ShiftMeter::create(ungated(), sim::frame_format(config)).value();
+        TrackFrame earlier = meter.make_frame();
+        TrackFrame later = meter.make_frame();
+        Frame frame;
+        for (int i = 0; i < 30; ++i) {
+          const double dx_px = (i * 7) % 13 - 6 + 0.3;
+          const double dy_px = (i * 5) % 11 - 5 - 0.2;
+          ASSERT_TRUE(camera.render(2 * i, {.x_px = 500.0 * i}, frame));
+          earlier.load(frame.view());
+          ASSERT_TRUE(camera.render(2 * i + 1, {.x_px = 500.0 * i + dx_px, .y_px = dy_px}, frame));
+          later.load(frame.view());
+          const Shift shift = meter.acquire(earlier, later);
+          if (shift.status != ShiftStatus::ok) continue;
+          const double p = shift.quality.outlier_probability;
+          Class& of = classes[p < 0.1 ? 0 : p < 0.35 ? 1 : p < 0.65 ? 2 : 3];
+          ++of.pairs;
+          of.expected += p;
+          of.variance += p * (1.0 - p);
+          if (std::hypot(shift.dx_px - dx_px, shift.dy_px - dy_px) > 3.0) ++of.wrong;
+        }
+      }
+    }
+  }
+  for (const Class& of : classes) {
+    std::printf("%d pairs: %.1f wrong expected, %d wrong\n", of.pairs, of.expected, of.wrong);
+    EXPECT_GE(of.pairs, 40);
+    // Three sigma of chance, and 8 % for a model of one curve.
+    EXPECT_NEAR(of.wrong, of.expected, 3.0 * std::sqrt(of.variance) + 0.08 * of.pairs);
   }
 }
 
