@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The extended Kalman filter, from one sample time to the next: predict, then weigh what came at
+// this time. All that it knows is in FilterState, a plain value, so that time can be gone back to
+// by keeping copies. Updates are row by row in Joseph form; one that would leave a covariance that
+// is none is not made. Internal to fusion/. No allocation.
+#pragma once
+
+#include <optional>
+
+#include "fusion/lsv_judge.h"
+#include "fusion/motion_model.h"
+#include "fusion/nav_state.h"
+#include "fusion/rover_config.h"
+#include "fusion/samples.h"
+#include "fusion/slip_cusum.h"
+
+namespace lsv::fusion {
+
+/// What came at one time.
+struct Epoch {
+  Stamp stamp{};
+  LsvReadings lsv{};
+  std::optional<WheelSample> wheels{};
+  std::optional<GyroSample> gyro{};
+  std::optional<StandstillSample> standstill{};
+};
+
+struct FilterState {
+  Stamp stamp{};
+  StateVector x = StateVector::Zero();
+  StateMatrix p = StateMatrix::Zero();
+  Stamp start{};
+  std::optional<Stamp> last_lsv{};  // accepted
+  std::optional<Stamp> last_wheels{};
+  int lsv_epochs_refused = 0;  // in a row
+  bool was_odd_in_agreement = false;
+  SlipCusum left_slip{};
+  SlipCusum right_slip{};
+  bool is_slip_known = false;
+  Agreement lsv_agreement{};  // of this time
+  Agreement wheel_agreement{};
+  Agreement gyro_agreement{};
+  std::array<bool, kMaxLsvSensors> lsv_refused{};
+  std::array<double, kMaxLsvSensors> lsv_nis{};
+  FusionCounters counters{};
+};
+
+class FusionFilter {
+ public:
+  explicit FusionFilter(const FusionConfig& config);
+
+  const FusionConfig& config() const { return config_; }
+  FilterState start_at(Stamp stamp) const;
+  /// `epoch.stamp` is not before `state.stamp`.
+  void process(const Epoch& epoch, FilterState& state) const;
+  void predict_to(Stamp stamp, FilterState& state) const;
+  /// As the user sees it at `now`.
+  NavState describe(const FilterState& state, Stamp now) const;
+
+ private:
+  struct Row {
+    StateVector h = StateVector::Zero();
+    double innovation = 0.0;
+    double variance = 0.0;
+  };
+  void weigh_lsv(const LsvReadings& readings, FilterState& state) const;
+  void weigh_wheels(const WheelSample& sample, FilterState& state) const;
+  void weigh_gyro(const GyroSample& sample, FilterState& state) const;
+  void stand_still(const StandstillSample& sample, FilterState& state) const;
+  Row wheel_row(double rate_rad_s, double variance_rad2_s2, bool is_left,
+                const FilterState& state) const;
+  void watch_slip(const WheelSample& sample, double variance_rad2_s2, FilterState& state) const;
+  void forget_motion(FilterState& state) const;
+  void forget_grip(int which, FilterState& state) const;
+  static void update(const Row& row, FilterState& state);
+  bool has_optics(const FilterState& state, Stamp now) const;
+  bool has_wheels(const FilterState& state, Stamp now) const;
+
+  FusionConfig config_;
+  LsvMounts mounts_{};
+  GateLimits limits_{};
+};
+
+}  // namespace lsv::fusion

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When a wheel slips: a cumulative sum (Page 1954) on rim speed less ground speed, with another sum
+// that takes the alarm back. It is fed speeds, not ratios, so that a wheel that hardly turns tells
+// nothing, whatever its encoder rounds to. Internal to fusion/. A plain value.
+#pragma once
+
+#include "fusion/rover_config.h"
+
+namespace lsv::fusion {
+
+class SlipCusum {
+ public:
+  /// `rim_m_s` and `ground_m_s`, of the wheel, positive forward; `sigma_m_s` of their difference.
+  void add(const SlipConfig& config, double rim_m_s, double ground_m_s, double sigma_m_s);
+  bool alarm() const { return alarm_; }
+
+ private:
+  double slips_ = 0.0;  // sigmas
+  double grips_ = 0.0;
+  bool alarm_ = false;
+};
+
+}  // namespace lsv::fusion
