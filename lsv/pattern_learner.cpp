@@ -16,8 +16,9 @@ constexpr int kFirstJudgement = 8;
 constexpr float kStill = 0.04F;  // spread / that of a clean pixel
 constexpr int kLooksThatTellShare = 32;
 constexpr int kMostLooks = 4096;  // then half of the past is forgotten
-// Chance makes one pixel in a million stand out by as much; and beside one that does, these do.
-constexpr float kSignificantSigmas = 5.0F;
+// Chance makes one pixel in a hundred million stand out by as much; a million pixels are judged in a
+// drive. And beside one that does, these do.
+constexpr float kSignificantSigmas = 6.0F;
 constexpr float kBesideSigmas = 2.0F;
 // Around a pixel that stands out; edges are only half dirty.
 constexpr int kReach_px = 2;
