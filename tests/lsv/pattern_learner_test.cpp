@@ -55,5 +55,21 @@ TEST(PatternLearner, LeavesAllOfACleanSensorAlone) {
   EXPECT_EQ(marked, 0) << "seeds 1 to 20";
 }
 
+// Light that comes back: 20 bright looks among 300 dim ones say as little as 20.
+TEST(PatternLearner, LightThatChangesMarksNothing) {
+  const std::vector<float> factor(kPixels, 1.0F), less(kPixels, 0.0F);
+  CleanGround ground(21);
+  PatternLearner learner(kFormat, {});
+  int judgements = 0;
+  for (int look = 0; look < 400; ++look) {
+    const bool is_bright = look < 20 || look >= 320;
+    if (!learner.look(ground.next(is_bright ? 2000.0 : 200.0), factor, less)) continue;
+    ++judgements;
+    for (std::size_t i = 0; i < kPixels; ++i)
+      ASSERT_EQ(learner.kind(i), PatternLearner::PixelKind::clean) << "seed 21, look " << look;
+  }
+  EXPECT_GE(judgements, 4);
+}
+
 }  // namespace
 }  // namespace lsv
