@@ -15,9 +15,13 @@ namespace {
 constexpr int kFirstJudgement = 8;
 constexpr float kStill = 0.04F;  // spread / that of a clean pixel
 constexpr int kLooksThatTellShare = 32;
+// Light that changed by more, for so many looks in a row, is other light.
+constexpr float kLightRatio = 1.5F;
+constexpr int kOtherLightLooks = 64;
 constexpr int kMostLooks = 4096;  // then half of the past is forgotten
-// Chance makes one pixel in a million stand out by as much; and beside one that does, these do.
-constexpr float kSignificantSigmas = 5.0F;
+// Chance makes one pixel in a hundred million stand out by as much; a million pixels are judged in
+// a drive. And beside one that does, these do.
+constexpr float kSignificantSigmas = 6.0F;
 constexpr float kBesideSigmas = 2.0F;
 // Around a pixel that stands out; edges are only half dirty.
 constexpr int kReach_px = 2;
@@ -66,8 +70,25 @@ PatternLearner::PatternLearner(const FrameFormat& format, std::vector<std::uint8
   kind_.assign(pixels, PixelKind::clean);
 }
 
+/// Looks of different light do not add up: a few bright ones among many dim ones would pass for
+/// many. When the light stays changed learning begins anew.
+bool PatternLearner::is_other_light(const FrameView& raw, const std::vector<float>& factor,
+                                    const std::vector<float>& less) {
+  const float level_counts = format_.type == PixelType::mono8
+                                 ? mean_of_some<std::uint8_t>(raw, factor, less)
+                                 : mean_of_some<std::uint16_t>(raw, factor, less);
+  const bool is_other = looks_ > 0 && !(level_counts > light_counts_ / kLightRatio &&
+                                        level_counts < light_counts_ * kLightRatio);
+  other_light_looks_ = is_other ? other_light_looks_ + 1 : 0;
+  if (is_other && other_light_looks_ < kOtherLightLooks) return true;
+  if (is_other) forget();
+  if (looks_ == 0) light_counts_ = level_counts;
+  return false;
+}
+
 bool PatternLearner::look(const FrameView& raw, const std::vector<float>& factor,
                           const std::vector<float>& less) {
+  if (is_other_light(raw, factor, less)) return false;
   if (format_.type == PixelType::mono8)
     accumulate<std::uint8_t>(raw, factor, less);
   else
@@ -82,6 +103,25 @@ bool PatternLearner::look(const FrameView& raw, const std::vector<float>& factor
     for (float& value : *plane) value *= 0.5F;
   }
   return judged;
+}
+
+/// Above the dark level, over every fourth row.
+template <typename Pixel>
+float PatternLearner::mean_of_some(const FrameView& raw, const std::vector<float>& factor,
+                                   const std::vector<float>& less) const {
+  const auto width = static_cast<std::size_t>(format_.width_px);
+  double sum = 0.0;
+  double count = 0.0;
+  for (int y = 0; y < format_.height_px; y += 4) {
+    const auto* const from = reinterpret_cast<const Pixel*>(raw.data + y * raw.stride_bytes);
+    const std::size_t row = static_cast<std::size_t>(y) * width;
+    float row_sum = 0.0F;
+    for (std::size_t x = 0; x < width; ++x)
+      row_sum += factor[row + x] * static_cast<float>(from[x]) - less[row + x];
+    sum += static_cast<double>(row_sum);
+    count += static_cast<double>(width);
+  }
+  return static_cast<float>(sum / count);
 }
 
 template <typename Pixel>

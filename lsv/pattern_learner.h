@@ -45,6 +45,11 @@ class PatternLearner {
   double static_share() const { return static_share_; }
 
  private:
+  bool is_other_light(const FrameView& raw, const std::vector<float>& factor,
+                      const std::vector<float>& less);
+  template <typename Pixel>
+  float mean_of_some(const FrameView& raw, const std::vector<float>& factor,
+                     const std::vector<float>& less) const;
   template <typename Pixel>
   void accumulate(const FrameView& raw, const std::vector<float>& factor,
                   const std::vector<float>& less);
@@ -71,6 +76,8 @@ class PatternLearner {
   std::vector<double> sum_to_;  // scratch: over all pixels above and to the left
   std::vector<PixelKind> kind_;
   int looks_ = 0;
+  float light_counts_ = 0.0F;  // mean of the first of them
+  int other_light_looks_ = 0;  // in a row
   int next_judgement_ = 0;
   float clean_mean_counts_ = 0.0F;
   float clean_spread_counts_ = 1.0F;
