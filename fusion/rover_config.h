@@ -25,7 +25,7 @@ struct WheelConfig {
 };
 
 struct LsvConfig {
-  std::string name;
+  std::string name{};
   double x_m = kUnknown;        // forward
   double y_m = kUnknown;        // left
   double yaw_rad = 0.0;         // from body x to sensor x
