@@ -8,18 +8,10 @@
 
 #include "lsv/output/number_text.h"
 #include "lsv/output/svg.h"
+#include "tools/xy_plot.h"
 
 namespace lsv::cli {
 namespace {
-
-/// 1, 2 or 5 times a power of ten, a fifth of `range` or a little more.
-double nice_step(double range) {
-  const double power = std::pow(10.0, std::floor(std::log10(range / 5.0)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= range / 5.0) return factor * power;
-  }
-  return 10.0 * power;
-}
 
 constexpr double kSide_px = 460.0;
 constexpr double kMargin_px = 40.0;
