@@ -26,6 +26,7 @@ void add_budget_command(CLI::App& app, int& exit_code);
 void add_calibrate_command(CLI::App& app, int& exit_code);
 void add_convert_command(CLI::App& app, int& exit_code);
 void add_faults_command(CLI::App& app, int& exit_code);
+void add_fuse_command(CLI::App& app, int& exit_code);
 void add_info_command(CLI::App& app, int& exit_code);
 void add_live_command(CLI::App& app, int& exit_code);
 void add_record_command(CLI::App& app, int& exit_code);

@@ -36,6 +36,7 @@ int run(int argc, char** argv) {
   int exit_code = kExitOk;
   add_track_command(app, exit_code);
   add_live_command(app, exit_code);
+  add_fuse_command(app, exit_code);
   add_info_command(app, exit_code);
   add_shift_command(app, exit_code);
   add_record_command(app, exit_code);
