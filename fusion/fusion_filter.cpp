@@ -14,7 +14,11 @@ namespace {
 constexpr double kUnknownSpeed_m_s = 1.0;
 constexpr double kUnknownRate_rad_s = 1.0;
 constexpr double kUnknownAcceleration_m_s2 = 1.0;
-constexpr double kLeastEfficiency = 0.02;
+/// Of the efficiency of a wheel that contradicts the motion.
+constexpr double kUnknownGrip = 0.5;
+/// A rim speed that differs by more was commanded otherwise; less than that it is at rest.
+constexpr double kRimSigmas = 5.0;
+constexpr double kRimSmoothing = 0.1;
 /// Wheels that said nothing for so long say nothing any more.
 constexpr double kWheelTimeout_s = 0.5;
 
@@ -40,12 +44,9 @@ FilterState FusionFilter::start_at(Stamp stamp) const {
   state.x(kX) = start.x_m;
   state.x(kY) = start.y_m;
   state.x(kYaw) = start.yaw_rad;
-  state.x(kLeft) = state.x(kRight) = 1.0;
   state.p(kX, kX) = state.p(kY, kY) = start.sigma_m * start.sigma_m;
   state.p(kYaw, kYaw) = start.sigma_yaw_rad * start.sigma_yaw_rad;
   if (config_.gyro) forget(kBias, config_.gyro->bias_sigma_rad_s, state.p);
-  forget(kLeft, config_.motion.efficiency_sigma_ratio, state.p);
-  forget(kRight, config_.motion.efficiency_sigma_ratio, state.p);
   forget_motion(state);
   return state;
 }
@@ -60,12 +61,17 @@ void FusionFilter::forget_motion(FilterState& state) const {
   }
 }
 
-void FusionFilter::forget_grip(int which, FilterState& state) const {
-  forget(which, std::max(config_.motion.efficiency_sigma_ratio, 0.5), state.p);
+void FusionFilter::forget_grip(bool is_left, FilterState& state) const {
+  const double rim_m_s = (is_left ? state.left : state.right).rim_m_s;
+  const double sigma_ratio = std::max(config_.motion.efficiency_sigma_ratio, kUnknownGrip);
+  forget(is_left ? kLeft : kRight, sigma_ratio * std::abs(rim_m_s), state.p);
 }
 
 void FusionFilter::predict_to(Stamp stamp, FilterState& state) const {
-  predict(config_.motion, seconds_between(state.stamp, stamp), state.x, state.p);
+  const double sigma_ratio = config_.motion.efficiency_sigma_ratio;
+  predict(config_.motion,
+          {sigma_ratio * std::abs(state.left.rim_m_s), sigma_ratio * std::abs(state.right.rim_m_s)},
+          seconds_between(state.stamp, stamp), state.x, state.p);
   state.stamp = stamp;
 }
 
@@ -189,87 +195,109 @@ void FusionFilter::stand_still(const StandstillSample& sample, FilterState& stat
   }
 }
 
-FusionFilter::Row FusionFilter::wheel_row(double rate_rad_s, double variance_rad2_s2, bool is_left,
+FusionFilter::Row FusionFilter::wheel_row(double rim_m_s, double variance_m2_s2, bool is_left,
                                           const FilterState& state) const {
-  // 0 = radius rate efficiency - (vx -+ wz track / 2)
-  const WheelConfig& wheels = *config_.wheels;
-  const int grip = is_left ? kLeft : kRight;
-  const double side_m = (is_left ? 0.5 : -0.5) * wheels.track_m;  // y of the wheel
+  // rim speed = vx - wz y + slip speed, with the wheel at y
+  const double y_m = (is_left ? 0.5 : -0.5) * config_.wheels->track_m;
   Row row;
-  row.h(kVx) = -1.0;
-  row.h(kWz) = side_m;
-  row.h(grip) = wheels.radius_m * rate_rad_s;
-  row.innovation = -row.h.dot(state.x);
-  const double efficiency = std::max(state.x(grip), kLeastEfficiency);
-  row.variance = variance_rad2_s2 * wheels.radius_m * wheels.radius_m * efficiency * efficiency;
+  row.h(kVx) = 1.0;
+  row.h(kWz) = -y_m;
+  row.h(is_left ? kLeft : kRight) = 1.0;
+  row.innovation = rim_m_s - row.h.dot(state.x);
+  row.variance = variance_m2_s2;
   return row;
 }
 
-void FusionFilter::watch_slip(const WheelSample& sample, double variance_rad2_s2,
+/// A wheel that turns otherwise slips in proportion; one that begins to turn may slip anyhow.
+void FusionFilter::follow_rim(double rim_m_s, double variance_m2_s2, bool is_left,
                               FilterState& state) const {
-  const WheelConfig& wheels = *config_.wheels;
-  for (const bool is_left : {true, false}) {
-    const double side_m = (is_left ? 0.5 : -0.5) * wheels.track_m;
-    const double ground_m_s = state.x(kVx) - state.x(kWz) * side_m;
-    const double variance_m2_s2 = state.p(kVx, kVx) - 2.0 * side_m * state.p(kVx, kWz) +
-                                  side_m * side_m * state.p(kWz, kWz) +
-                                  variance_rad2_s2 * wheels.radius_m * wheels.radius_m;
-    const double rate_rad_s = is_left ? sample.left_rad_s : sample.right_rad_s;
-    (is_left ? state.left_slip : state.right_slip)
-        .add(config_.slip, wheels.radius_m * rate_rad_s, ground_m_s, std::sqrt(variance_m2_s2));
+  const int slip = is_left ? kLeft : kRight;
+  double& usual_m_s = (is_left ? state.left : state.right).rim_m_s;
+  const double limit_m_s = kRimSigmas * std::sqrt(variance_m2_s2);
+  if (std::abs(rim_m_s - usual_m_s) <= limit_m_s) {
+    usual_m_s += kRimSmoothing * (rim_m_s - usual_m_s);
+    return;
   }
+  if (std::abs(usual_m_s) > limit_m_s) {
+    const double ratio = rim_m_s / usual_m_s;
+    state.x(slip) *= ratio;
+    state.p.row(slip) *= ratio;
+    state.p.col(slip) *= ratio;
+  } else {
+    state.x(slip) = 0.0;
+    forget(slip, config_.motion.efficiency_sigma_ratio * std::abs(rim_m_s), state.p);
+  }
+  usual_m_s = rim_m_s;
+}
+
+void FusionFilter::watch_slip(double rim_m_s, double variance_m2_s2, bool is_left,
+                              FilterState& state) const {
+  const double y_m = (is_left ? 0.5 : -0.5) * config_.wheels->track_m;
+  const double ground_m_s = state.x(kVx) - state.x(kWz) * y_m;
+  const double ground_variance_m2_s2 =
+      state.p(kVx, kVx) - 2.0 * y_m * state.p(kVx, kWz) + y_m * y_m * state.p(kWz, kWz);
+  (is_left ? state.left : state.right)
+      .cusum.add(config_.slip, rim_m_s, ground_m_s,
+                 std::sqrt(ground_variance_m2_s2 + variance_m2_s2));
 }
 
 void FusionFilter::weigh_wheels(const WheelSample& sample, FilterState& state) const {
   double variance_rad2_s2 = config_.wheels->noise_rad_s * config_.wheels->noise_rad_s;
+  const std::optional<Stamp> before = state.last_wheels;
+  state.last_wheels = state.stamp;
   if (config_.wheels->ticks_per_turn) {
     // A rate is the difference of two counts, each rounded by up to a tick. How long between is
     // not known of the first.
-    const std::optional<Stamp> before = state.last_wheels;
-    state.last_wheels = state.stamp;
     if (!before || !(seconds_between(*before, state.stamp) > 0.0)) return;
     const double tick_rad_s = 2.0 * std::numbers::pi / *config_.wheels->ticks_per_turn /
                               seconds_between(*before, state.stamp);
     variance_rad2_s2 += tick_rad_s * tick_rad_s / 6.0;
   }
-  state.last_wheels = state.stamp;
+  const double radius_m = config_.wheels->radius_m;
+  const double variance_m2_s2 = radius_m * radius_m * variance_rad2_s2;
+  const double rim_m_s[] = {radius_m * sample.left_rad_s, radius_m * sample.right_rad_s};
   const bool optics = has_optics(state, state.stamp);
   state.is_slip_known = optics;
-  if (optics) watch_slip(sample, variance_rad2_s2, state);
+  for (const bool is_left : {true, false}) {
+    follow_rim(rim_m_s[is_left ? 0 : 1], variance_m2_s2, is_left, state);
+    if (optics) watch_slip(rim_m_s[is_left ? 0 : 1], variance_m2_s2, is_left, state);
+  }
 
-  const auto rows = [&] {
-    return std::array{wheel_row(sample.left_rad_s, variance_rad2_s2, true, state),
-                      wheel_row(sample.right_rad_s, variance_rad2_s2, false, state)};
-  };
-  const auto chi2 = [&](const std::array<Row, 2>& both) {
-    Eigen::Matrix<double, kStates, 2> h;
-    h.col(0) = both[0].h;
-    h.col(1) = both[1].h;
-    Eigen::Matrix2d s = h.transpose() * state.p * h;
-    s(0, 0) += both[0].variance;
-    s(1, 1) += both[1].variance;
-    const Eigen::Vector2d innovation{both[0].innovation, both[1].innovation};
-    return innovation.dot(s.inverse() * innovation);
-  };
-  state.wheel_agreement = {chi2(rows()), 2};
+  const std::array both{wheel_row(rim_m_s[0], variance_m2_s2, true, state),
+                        wheel_row(rim_m_s[1], variance_m2_s2, false, state)};
+  Eigen::Matrix<double, kStates, 2> h;
+  h << both[0].h, both[1].h;
+  Eigen::Matrix2d s = h.transpose() * state.p * h;
+  s.diagonal().array() += variance_m2_s2;
+  const Eigen::Vector2d innovation{both[0].innovation, both[1].innovation};
+  state.wheel_agreement = {innovation.dot(s.inverse() * innovation), 2};
   if (state.wheel_agreement.nis > limits_[2]) {
     if (optics) {  // the motion is known: it is the grip that changed
       ++state.counters.grip_opened;
-      const auto both = rows();
-      const auto alone = [&](const Row& row) {
-        return row.innovation * row.innovation / (row.h.dot(state.p * row.h) + row.variance);
-      };
-      const bool left = alone(both[0]) > limits_[1], right = alone(both[1]) > limits_[1];
-      if (left || !right) forget_grip(kLeft, state);
-      if (right || !left) forget_grip(kRight, state);
+      const bool left = innovation(0) * innovation(0) / s(0, 0) > limits_[1];
+      const bool right = innovation(1) * innovation(1) / s(1, 1) > limits_[1];
+      if (left || !right) forget_grip(true, state);
+      if (right || !left) forget_grip(false, state);
     } else {
       ++state.counters.wheel_steps;
       forget_motion(state);
     }
   }
   ++state.counters.wheels_accepted;
-  update(wheel_row(sample.left_rad_s, variance_rad2_s2, true, state), state);
-  update(wheel_row(sample.right_rad_s, variance_rad2_s2, false, state), state);
+  update(wheel_row(rim_m_s[0], variance_m2_s2, true, state), state);
+  update(wheel_row(rim_m_s[1], variance_m2_s2, false, state), state);
+}
+
+WheelGrip FusionFilter::grip(bool is_left, const FilterState& state) const {
+  const WheelMemory& wheel = is_left ? state.left : state.right;
+  const int slip = is_left ? kLeft : kRight;
+  WheelGrip out{.is_slipping = wheel.cusum.alarm(), .is_slip_known = state.is_slip_known};
+  // Of a wheel that hardly turns there is no ratio.
+  const double least_m_s = kRimSigmas * config_.wheels->radius_m * config_.wheels->noise_rad_s;
+  if (!(std::abs(wheel.rim_m_s) > least_m_s)) return out;
+  out.efficiency_ratio = 1.0 - state.x(slip) / wheel.rim_m_s;
+  out.sigma_ratio = std::sqrt(state.p(slip, slip)) / std::abs(wheel.rim_m_s);
+  return out;
 }
 
 bool FusionFilter::has_optics(const FilterState& state, Stamp now) const {
@@ -302,10 +330,8 @@ NavState FusionFilter::describe(const FilterState& state, Stamp now) const {
     }
   }
   if (config_.wheels) {
-    out.left = {state.x(kLeft), std::sqrt(state.p(kLeft, kLeft)), state.left_slip.alarm(),
-                state.is_slip_known};
-    out.right = {state.x(kRight), std::sqrt(state.p(kRight, kRight)), state.right_slip.alarm(),
-                 state.is_slip_known};
+    out.left = grip(true, state);
+    out.right = grip(false, state);
   }
   if (config_.gyro) out.gyro_bias_rad_s = state.x(kBias);
   out.lsv = state.lsv_agreement;

@@ -25,6 +25,12 @@ struct Epoch {
   std::optional<StandstillSample> standstill{};
 };
 
+/// Of one wheel, besides its slip speed in the state.
+struct WheelMemory {
+  double rim_m_s = 0.0;  // as it turns lately, by the encoder
+  SlipCusum cusum{};
+};
+
 struct FilterState {
   Stamp stamp{};
   StateVector x = StateVector::Zero();
@@ -34,8 +40,8 @@ struct FilterState {
   std::optional<Stamp> last_wheels{};
   int lsv_epochs_refused = 0;  // in a row
   bool was_odd_in_agreement = false;
-  SlipCusum left_slip{};
-  SlipCusum right_slip{};
+  WheelMemory left{};
+  WheelMemory right{};
   bool is_slip_known = false;
   Agreement lsv_agreement{};  // of this time
   Agreement wheel_agreement{};
@@ -67,11 +73,13 @@ class FusionFilter {
   void weigh_wheels(const WheelSample& sample, FilterState& state) const;
   void weigh_gyro(const GyroSample& sample, FilterState& state) const;
   void stand_still(const StandstillSample& sample, FilterState& state) const;
-  Row wheel_row(double rate_rad_s, double variance_rad2_s2, bool is_left,
+  Row wheel_row(double rim_m_s, double variance_m2_s2, bool is_left,
                 const FilterState& state) const;
-  void watch_slip(const WheelSample& sample, double variance_rad2_s2, FilterState& state) const;
+  void follow_rim(double rim_m_s, double variance_m2_s2, bool is_left, FilterState& state) const;
+  void watch_slip(double rim_m_s, double variance_m2_s2, bool is_left, FilterState& state) const;
   void forget_motion(FilterState& state) const;
-  void forget_grip(int which, FilterState& state) const;
+  void forget_grip(bool is_left, FilterState& state) const;
+  WheelGrip grip(bool is_left, const FilterState& state) const;
   static void update(const Row& row, FilterState& state);
   bool has_optics(const FilterState& state, Stamp now) const;
   bool has_wheels(const FilterState& state, Stamp now) const;

@@ -57,7 +57,8 @@ void add_acceleration_walk(double density, double dt_s, int acceleration, int ra
 
 double squared(double value) { return value * value; }
 
-StateMatrix process_noise(const MotionConfig& motion, double dt_s, double yaw_rad) {
+StateMatrix process_noise(const MotionConfig& motion, const SlipSigmas& slip, double dt_s,
+                          double yaw_rad) {
   StateMatrix q = StateMatrix::Zero();
   const Eigen::Vector3d forward{std::cos(yaw_rad), std::sin(yaw_rad), 0.0};
   const Eigen::Vector3d left{-forward.y(), forward.x(), 0.0};
@@ -68,8 +69,9 @@ StateMatrix process_noise(const MotionConfig& motion, double dt_s, double yaw_ra
     add_walk(2.0 * squared(motion.vy_sigma_m_s) / motion.vy_time_s, dt_s, kVy, left, q);
     q(kVy, kVy) = squared(motion.vy_sigma_m_s) * -std::expm1(-2.0 * dt_s / motion.vy_time_s);
   }
-  q(kLeft, kLeft) = q(kRight, kRight) =
-      squared(motion.efficiency_sigma_ratio) * -std::expm1(-2.0 * dt_s / motion.efficiency_time_s);
+  const double renewed = -std::expm1(-2.0 * dt_s / motion.efficiency_time_s);
+  q(kLeft, kLeft) = squared(slip.left_m_s) * renewed;
+  q(kRight, kRight) = squared(slip.right_m_s) * renewed;
   if (motion.model == MotionModel::constant_acceleration) {
     add_acceleration_walk(squared(motion.ax_walk_m_s2), dt_s, kAx, kVx, forward, q);
     add_acceleration_walk(squared(motion.az_walk_rad_s2), dt_s, kAz, kWz, turn, q);
@@ -103,8 +105,8 @@ StateVector step(const MotionConfig& motion, double dt_s, const StateVector& x, 
   out(kVx) += x(kAx) * dt_s;
   out(kVy) *= keep_slip;
   out(kWz) += x(kAz) * dt_s;
-  out(kLeft) = 1.0 + keep_grip * (x(kLeft) - 1.0);
-  out(kRight) = 1.0 + keep_grip * (x(kRight) - 1.0);
+  out(kLeft) *= keep_grip;
+  out(kRight) *= keep_grip;
 
   f.setIdentity();
   f.block<2, 1>(kX, kYaw) = Eigen::Vector2d(-travel.y(), travel.x());
@@ -124,14 +126,15 @@ StateVector step(const MotionConfig& motion, double dt_s, const StateVector& x, 
   return out;
 }
 
-void predict(const MotionConfig& motion, double dt_s, StateVector& x, StateMatrix& p) {
+void predict(const MotionConfig& motion, const SlipSigmas& slip, double dt_s, StateVector& x,
+             StateMatrix& p) {
   if (!(dt_s > 0.0)) return;
   const double steps = std::min(kMostSteps, std::ceil(dt_s / kLongestStep_s));
   const double step_s = dt_s / steps;
   StateMatrix f;
   for (int i = 0; i < static_cast<int>(steps); ++i) {
     const double middle_yaw_rad = x(kYaw) + x(kWz) * step_s / 2.0;
-    const StateMatrix q = process_noise(motion, step_s, middle_yaw_rad);
+    const StateMatrix q = process_noise(motion, slip, step_s, middle_yaw_rad);
     x = step(motion, step_s, x, f);
     const StateMatrix fp = f * p;
     p.noalias() = fp * f.transpose();

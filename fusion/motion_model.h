@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How the state of the rover goes on between two samples: exact arcs, random walks of the speeds,
-// Gauss-Markov side slip and wheel efficiencies. Equations: docs/fusion.md.
+// Gauss-Markov side slip and wheel slip. Equations: docs/fusion.md.
 // Internal to fusion/. Pure functions, no allocation.
 #pragma once
 
@@ -18,7 +18,7 @@ enum StateIndex : int {
   kVx,    // m/s, body axes
   kVy,    // m/s
   kWz,    // rad/s
-  kLeft,  // efficiency of the left wheel: ground speed / rim speed
+  kLeft,  // slip speed of the left wheel: rim speed - ground speed, m/s
   kRight,
   kBias,  // of the gyro, rad/s
   kAx,    // m/s^2, zero with MotionModel::constant_velocity
@@ -28,9 +28,16 @@ enum StateIndex : int {
 using StateVector = Eigen::Matrix<double, kStates, 1>;
 using StateMatrix = Eigen::Matrix<double, kStates, kStates>;
 
+/// Stationary standard deviation of the slip speeds: that of the efficiency times the rim speed.
+struct SlipSigmas {
+  double left_m_s = 0.0;
+  double right_m_s = 0.0;
+};
+
 /// `dt_s` >= 0. Long times go in steps, within which heading and speeds count as steady for the
 /// process noise.
-void predict(const MotionConfig& motion, double dt_s, StateVector& x, StateMatrix& p);
+void predict(const MotionConfig& motion, const SlipSigmas& slip, double dt_s, StateVector& x,
+             StateMatrix& p);
 
 /// One step: the state after `dt_s`, and its derivative by the state before.
 StateVector step(const MotionConfig& motion, double dt_s, const StateVector& x, StateMatrix& f);

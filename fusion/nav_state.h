@@ -26,7 +26,7 @@ std::string_view word(NavStatus status);
 using NavCovariance = std::array<std::array<double, 6>, 6>;
 
 struct WheelGrip {
-  double efficiency_ratio = kUnknown;  // ground speed / rim speed; slip is 1 less this
+  double efficiency_ratio = kUnknown;  // ground speed / rim speed; NaN for a wheel at rest
   double sigma_ratio = kUnknown;
   bool is_slipping = false;    // the alarm
   bool is_slip_known = false;  // optics watched the last reading of the wheels

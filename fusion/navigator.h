@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The second facade of lsv: samples of LSV sensors, wheels and gyro in, pose, velocity and grip of
 // the wheels with covariance out. An extended Kalman filter over
-//   x, y, yaw, vx, vy, wz, efficiency left and right, gyro bias (, acceleration, yaw acceleration)
+//   x, y, yaw, vx, vy, wz, slip speed left and right, gyro bias (, acceleration, yaw acceleration)
 // with exact arcs between samples. Derivation, gates and their limits: docs/fusion.md.
 //
 // Samples may come in any order: those of one time (FusionConfig::same_time_s) are weighed

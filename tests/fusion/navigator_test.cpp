@@ -104,6 +104,21 @@ TEST(Navigator, OneWheelThatSlipsIsTheOneThatIsTold) {
   }
 }
 
+// Noise of the readings must not pull the efficiency, on which nothing else says a word.
+TEST(Navigator, WheelsAloneRollAsFarAsTheyTurn) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0.0, 0.017);
+  FusionConfig config = rover();
+  config.lsv.clear();
+  Navigator nav = navigator(config);
+  for (int k = 0; k <= 2000; ++k)
+    nav.add(WheelSample{{k * kDt_ns}, 0.55 + noise(random), 0.55 + noise(random)});
+  EXPECT_EQ(nav.state().status, NavStatus::ok);
+  EXPECT_NEAR(nav.state().x_m, 5.5, 0.03) << "seed 3";
+  // As far as slip is likely the way is not known.
+  EXPECT_GT(std::sqrt(nav.state().cov[0][0]), 0.3);
+}
+
 TEST(Navigator, OpticsLostAreToldAtOnceAndWheelsCarryOn) {
   Navigator nav = navigator(rover());
   drive(nav, 0, 100);
