@@ -24,7 +24,12 @@ enum class Stream : std::uint32_t {
   flat_field = 6,
   reference_pose = 7,
   sensor_track = 8,
-  exposure_jitter = 9
+  exposure_jitter = 9,
+  rover_drive = 10,
+  encoder = 11,
+  lsv_noise = 12,
+  lsv_outlier = 13,
+  imu = 14
 };
 
 using PhiloxWords = std::array<std::uint32_t, 4>;
