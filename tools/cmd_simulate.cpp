@@ -11,6 +11,7 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   simulate->require_subcommand(1);
   add_simulate_speckle(*simulate, exit_code);
   add_simulate_tracks(*simulate, exit_code);
+  add_simulate_rover(*simulate, exit_code);
   add_simulate_flat(*simulate, exit_code);
   add_simulate_camera(*simulate, exit_code);
 }

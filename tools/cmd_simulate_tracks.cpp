@@ -21,6 +21,7 @@
 #include "lsv/output/output_file.h"
 #include "sim/drive_sensors.h"
 #include "tools/commands.h"
+#include "tools/part_folder.h"
 
 namespace lsv::cli {
 namespace {
@@ -172,54 +173,6 @@ std::string command_line(const CLI::App& command) {
   }
   return text;
 }
-
-/// A folder that gets its name when all files are in it.
-class PartFolder {
- public:
-  static Result<PartFolder> make(const std::string& name) {
-    PartFolder out;
-    out.target_ = name;
-    if (!out.target_.has_filename()) out.target_ = out.target_.parent_path();
-    std::error_code status;
-    if (out.target_.empty() ||
-        (fs::exists(out.target_, status) &&
-         !(fs::is_directory(out.target_, status) && fs::is_empty(out.target_, status))))
-      return usage(name + " exists already: remove it or choose another name");
-    const fs::path part = out.target_.string() + ".part";
-    if (!fs::create_directories(part, status)) {
-      if (status)
-        return Error{ErrorCode::output_failed,
-                     "cannot write " + part.string() + ": " + status.message()};
-      return usage(part.string() + " is left from a run that was cut short: remove it first");
-    }
-    out.part_ = part;
-    return out;
-  }
-  PartFolder(PartFolder&& other) noexcept
-      : target_(std::move(other.target_)), part_(std::exchange(other.part_, {})) {}
-  PartFolder& operator=(PartFolder&&) = delete;
-  ~PartFolder() {
-    std::error_code ignored;
-    if (!part_.empty()) fs::remove_all(part_, ignored);
-  }
-
-  std::string file(const std::string& name) const { return (part_ / name).string(); }
-
-  Result<void> commit() {
-    std::error_code status;
-    fs::rename(part_, target_, status);
-    if (status)
-      return Error{ErrorCode::output_failed,
-                   "cannot write " + target_.string() + ": " + status.message()};
-    part_.clear();
-    return {};
-  }
-
- private:
-  PartFolder() = default;
-  fs::path target_;
-  fs::path part_;  // empty once renamed
-};
 
 std::string body_csv(const TracksOptions& o, const std::vector<sim::ReferenceReading>& readings,
                      const std::string& command) {

@@ -46,6 +46,7 @@ void add_calibrate_scale(CLI::App& calibrate, int& exit_code);
 /// Below `lsv simulate`.
 void add_simulate_camera(CLI::App& simulate, int& exit_code);
 void add_simulate_flat(CLI::App& simulate, int& exit_code);
+void add_simulate_rover(CLI::App& simulate, int& exit_code);
 void add_simulate_speckle(CLI::App& simulate, int& exit_code);
 void add_simulate_tracks(CLI::App& simulate, int& exit_code);
 

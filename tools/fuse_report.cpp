@@ -26,8 +26,10 @@ constexpr std::string_view kFourth = "#9b59b6";
 constexpr std::string_view kSensorColours[] = {"#27a06d", "#9b59b6", "#b8860b", "#159d9d",
                                                "#c2185b", "#6d4c41", "#558b2f", "#455a64"};
 
-void add(const Agreement& agreement, NisFigures& out) {
+/// Of what the gates let pass: outliers and jumps are counted, and told, by themselves.
+void add(const Agreement& agreement, double gate_probability, NisFigures& out) {
   if (agreement.dof <= 0 || !std::isfinite(agreement.nis)) return;
+  if (agreement.nis > chi_square_limit(gate_probability, agreement.dof)) return;
   ++out.count;
   out.sum += agreement.nis;
   out.dof_sum += agreement.dof;
@@ -69,9 +71,9 @@ void FuseReport::add(const FuseRow& row) {
     left_slip_s_ += s.left.is_slipping ? dt_s : 0.0;
     right_slip_s_ += s.right.is_slipping ? dt_s : 0.0;
   }
-  cli::add(s.lsv, lsv_nis_);
-  cli::add(s.wheels, wheel_nis_);
-  cli::add(s.gyro, gyro_nis_);
+  cli::add(s.lsv, config_.gate_probability, lsv_nis_);
+  cli::add(s.wheels, config_.gate_probability, wheel_nis_);
+  cli::add(s.gyro, config_.gate_probability, gyro_nis_);
 
   path_.add(s.x_m, s.y_m);
   speed_.add(time_s, s.vx_m_s);

@@ -23,7 +23,7 @@ class ThinCurve {
   std::size_t seen_ = 0;
 };
 
-/// NIS of one kind of measurement.
+/// NIS of one kind of measurement, of those within the gate.
 struct NisFigures {
   std::size_t count = 0;
   double sum = 0.0;

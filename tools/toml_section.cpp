@@ -16,7 +16,7 @@ std::string place(const std::string& file, const toml::source_region& source) {
 }  // namespace
 
 Result<toml::table> read_toml(const std::string& path) {
-  const Result<std::string> text = read_text_file(path, "TOML file");
+  const Result<std::string> text = read_text_file(path, "TOML");
   if (!text) return text.error();
   toml::parse_result parsed = toml::parse(text.value());
   if (!parsed) {
