@@ -68,7 +68,7 @@ class SampleTable {
   explicit SampleTable(CsvTable table) : table_(std::move(table)) {}
 
   Result<double> checked(std::size_t row, std::size_t column, double largest) const {
-    const Result<double> value = table_.number(row, column);
+    Result<double> value = table_.number(row, column);
     if (value && std::abs(value.value()) > largest)
       return at(row, "a value is beyond what a rover does");
     return value;

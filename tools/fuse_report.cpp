@@ -97,7 +97,8 @@ void FuseReport::add(const FuseRow& row) {
         time_s, std::cos(yaw_rad) * row.lsv[i]->vx_m_s - std::sin(yaw_rad) * row.lsv[i]->vy_m_s);
   }
   if (s.lsv.dof > 0) lsv_nis_curve_.add(time_s, std::min(kHighestNis, s.lsv.nis / s.lsv.dof));
-  if (s.wheels.dof > 0) wheel_nis_curve_.add(time_s, std::min(kHighestNis, s.wheels.nis / s.wheels.dof));
+  if (s.wheels.dof > 0)
+    wheel_nis_curve_.add(time_s, std::min(kHighestNis, s.wheels.nis / s.wheels.dof));
   if (rows_ % ellipse_every_ == 0) ellipses_.push_back({s});
   if (ellipses_.size() > 2 * kMostEllipses) {
     for (std::size_t i = 0; 2 * i < ellipses_.size(); ++i) ellipses_[i] = ellipses_[2 * i];
@@ -240,7 +241,8 @@ std::string FuseReport::html() const {
                  kMm * std::hypot(std::sqrt(last_.cov[0][0]), std::sqrt(last_.cov[1][1]))),
        "sigma of the end");
   tile(formatted("%.3f deg", kDegrees * std::sqrt(last_.cov[2][2])), "sigma of the heading");
-  if (config_.wheels) tile(formatted("%.1f s, %.1f s", left_slip_s_, right_slip_s_), "slip, left and right");
+  if (config_.wheels)
+    tile(formatted("%.1f s, %.1f s", left_slip_s_, right_slip_s_), "slip, left and right");
   out += "</div>\n<div class=\"plots\">\n<figure>" + path_svg() + "</figure>\n";
 
   const auto figure = [&](XyPlot plot) {
