@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
   register_pushes();
   register_tracks();
   register_opencv();
+  register_fusion();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return any_failed ? EXIT_FAILURE : EXIT_SUCCESS;

@@ -13,6 +13,7 @@ void register_stages();
 void register_pushes();
 void register_tracks();
 void register_opencv();
+void register_fusion();
 
 /// Marks the benchmark as failed unless `complaint` is empty; the program then ends with 1.
 void require(benchmark::State& state, const std::string& complaint);
