@@ -9,8 +9,8 @@
 namespace lsv::sim {
 namespace {
 
-/// With speckle of 4 px the patch behind a tile is then 256 samples wide.
-constexpr int kPlaneTileSide = 164;
+/// With s = 2.7 the patch behind a tile is 192 samples wide.
+constexpr int kPlaneTileSide = 126;
 /// Places are rounded to 1/4096 sample.
 constexpr int kPhases = 4096;
 constexpr int kBefore = 2;  // taps before the sample below the place
@@ -103,13 +103,19 @@ double SpecklePlane::intensity_at(double x, double y) const {
   };
   const TapWeights& across = weights_[phase(x - static_cast<double>(column))];
   const TapWeights& down = weights_[phase(y - static_cast<double>(row))];
-  // Real and imaginary parts side by side, so that rows are added four numbers at a time.
+  // Real and imaginary parts side by side, four numbers at a time: with all loops of fixed length
+  // the sums stay in registers.
   const auto* from = reinterpret_cast<const float*>(
       window_.data() + (row - kBefore) * window_columns_ + (column - kBefore));
-  std::array<float, 2 * kTaps> sum{};
-  for (const float weight : down) {
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += weight * from[k];
-    from += 2 * window_columns_;
+  const std::ptrdiff_t stride = 2 * window_columns_;
+  std::array<float, 2 * kTaps> sum;
+  for (std::size_t block = 0; block < sum.size(); block += 4) {
+    std::array<float, 4> part{};
+    for (std::size_t j = 0; j < kTaps; ++j) {
+      const float* const four = from + static_cast<std::ptrdiff_t>(j) * stride + block;
+      for (std::size_t k = 0; k < 4; ++k) part[k] += down[j] * four[k];
+    }
+    for (std::size_t k = 0; k < 4; ++k) sum[block + k] = part[k];
   }
   float real = 0.0F;
   float imaginary = 0.0F;

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/turning_speckle.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <exception>
 #include <string>
 
-#include "sim/camera_counts.h"
 #include "sim/speckle.h"
 #include "sim/speckle_optics.h"
 
 namespace lsv::sim {
 namespace {
 
-constexpr double kSmallestSpeckle_px = 3.0;
 constexpr double kFarthest_px = 1e8;
 constexpr std::int64_t kFrameEnd = std::int64_t{1} << 32;
 
@@ -40,7 +40,6 @@ SpeckleConfig without_turning(const TurningSpeckleConfig& c) {
           .mean_signal_counts = c.mean_signal_counts,
           .noise_mean_counts = c.noise_mean_counts,
           .noise_sd_counts = c.noise_sd_counts,
-          .full_well_electrons = c.full_well_electrons,
           .seed = c.seed};
 }
 
@@ -48,8 +47,6 @@ SpeckleConfig without_turning(const TurningSpeckleConfig& c) {
 
 Result<void> validate(const TurningSpeckleConfig& config) {
   if (Result<void> valid = validate(without_turning(config)); !valid) return valid;
-  if (!(config.speckle_px >= kSmallestSpeckle_px))
-    return invalid("speckle_px", config.speckle_px, "in [3, 64] for a sensor that turns");
   if (!(config.pixel_pitch_m > 0.0 && std::isfinite(config.pixel_pitch_m)))
     return invalid("pixel_pitch_m", config.pixel_pitch_m, "above 0");
   if (!(config.sc_ratio > 0.0 && std::isfinite(config.sc_ratio)))
@@ -67,7 +64,7 @@ Result<TurningSpeckleCamera> TurningSpeckleCamera::create(const TurningSpeckleCo
 }
 
 TurningSpeckleCamera::TurningSpeckleCamera(const TurningSpeckleConfig& config)
-    : config_(config), plane_(config.speckle_px / kSoftApertureFwhm, config.seed) {}
+    : config_(config), plane_(kTurningScale, config.seed) {}
 
 Result<void> TurningSpeckleCamera::render_intensity(const SensorPose& pose,
                                                     std::vector<double>& out) {
@@ -77,14 +74,16 @@ Result<void> TurningSpeckleCamera::render_intensity(const SensorPose& pose,
   if (!(std::abs(x_px) <= kFarthest_px && std::abs(y_px) <= kFarthest_px))
     return invalid("distance from the origin in px", std::hypot(x_px, y_px), "at most 1e8");
   if (!std::isfinite(pose.yaw_rad)) return invalid("yaw_rad", pose.yaw_rad, "finite");
-  const double c = std::cos(pose.yaw_rad);
-  const double s = std::sin(pose.yaw_rad);
+  // All below in distances between scatterers.
+  const double per_px = kTurningScale * kSoftApertureFwhm / config_.speckle_px;
+  const double c = per_px * std::cos(pose.yaw_rad);
+  const double s = per_px * std::sin(pose.yaw_rad);
   const double middle_u = 0.5 * (config_.width_px - 1);
   const double middle_v = 0.5 * (config_.height_px - 1);
   const PlaneGrid grid{.columns = config_.width_px,
                        .rows = config_.height_px,
-                       .first_x = x_px + c * middle_u - s * middle_v,
-                       .first_y = y_px + s * middle_u + c * middle_v,
+                       .first_x = per_px * x_px + c * middle_u - s * middle_v,
+                       .first_y = per_px * y_px + s * middle_u + c * middle_v,
                        .along_row_x = -c,
                        .along_row_y = -s,
                        .down_x = s,
@@ -109,10 +108,33 @@ Result<void> TurningSpeckleCamera::render(std::int64_t frame, const SensorPose& 
   } catch (const std::exception& error) {
     return failed(error);
   }
-  to_counts(counts_model(camera), frame, intensity_, out);
+  add_noise(frame, out);
   out.index = frame;
   out.stamp.ns = frame_stamp_ns(camera, frame);
   return {};
+}
+
+void TurningSpeckleCamera::add_noise(std::int64_t frame, Frame& out) {
+  const double full_scale = full_scale_counts(config_.bit_depth);
+  const double signal_counts = mean_signal_counts(without_turning(config_));
+  const double* light = intensity_.data();
+  std::array<float, NormalTable::kAtOnce> noise{};
+  for (int row = 0; row < config_.height_px; ++row) {
+    for (int column = 0; column < config_.width_px; ++column) {
+      const int of_draw = column % NormalTable::kAtOnce;
+      if (of_draw == 0)
+        normal_.draw(config_.seed, column / NormalTable::kAtOnce, row, frame, noise);
+      const double counts = signal_counts * *light++ + config_.noise_mean_counts +
+                            config_.noise_sd_counts * noise[static_cast<std::size_t>(of_draw)];
+      // Not negative: the cast rounds as floor does.
+      const auto stored =
+          static_cast<std::uint16_t>(std::min(std::max(counts + 0.5, 0.0), full_scale));
+      if (config_.bit_depth == 8)
+        out.row8(row)[column] = static_cast<std::uint8_t>(stored);
+      else
+        out.row16(row)[column] = stored;
+    }
+  }
 }
 
 }  // namespace lsv::sim

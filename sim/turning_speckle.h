@@ -14,8 +14,9 @@
 // not mirrored has its rows the other way round, and needs the orientation in its calibration.
 //
 // As in speckle.h: fully developed speckle, mean 1 and contrast 1 before the camera noise.
-// Approximations: point samples instead of the mean over a pixel, no exposure blur, no boiling;
-// interpolated to 1e-3 of the field.
+// Approximations: point samples instead of the mean over a pixel; no exposure blur, no boiling, no
+// shot noise, no fixed pattern; the field is interpolated to some 1e-3; camera noise ends at 4.2
+// standard deviations.
 // Reproducible: a frame depends on the configuration, its number and its pose only; to the byte in
 // one build.
 // Cost: docs/performance.md has none of it; 128 x 128 px take about 1 ms of a core, ground
@@ -29,6 +30,7 @@
 
 #include "lsv/core/frame.h"
 #include "lsv/core/result.h"
+#include "sim/normal_table.h"
 #include "sim/speckle_plane.h"
 
 namespace lsv::sim {
@@ -39,16 +41,18 @@ struct TurningSpeckleConfig {
   double frame_rate_hz = 1000.0;  // > 0; only stamps depend on it
   double pixel_pitch_m = 14e-6;   // > 0
   double sc_ratio = 2.0;          // shift of the pattern / travel, > 0
-  double speckle_px = 4.0;        // full width at half maximum of the autocovariance, [3, 64]
+  double speckle_px = 4.0;        // full width at half maximum of the autocovariance, [0.5, 64]
 
   int bit_depth = 8;  // 8, 10, 12 or 16
   // As in SpeckleConfig.
   std::optional<double> mean_signal_counts{};
   double noise_mean_counts = 3.0;
   double noise_sd_counts = 0.5;
-  std::optional<double> full_well_electrons{};
   std::uint64_t seed = 1;
 };
+
+/// Aperture scale (speckle_optics.h) in distances between the scatterers of the ground.
+inline constexpr double kTurningScale = 2.7;
 
 /// The first setting that is out of its range, named with its value.
 Result<void> validate(const TurningSpeckleConfig& config);
@@ -75,9 +79,12 @@ class TurningSpeckleCamera {
 
  private:
   explicit TurningSpeckleCamera(const TurningSpeckleConfig& config);
+  /// Counts of intensity_.
+  void add_noise(std::int64_t frame, Frame& out);
 
   TurningSpeckleConfig config_;
   SpecklePlane plane_;
+  NormalTable normal_;
   std::vector<double> intensity_;
 };
 
