@@ -99,7 +99,8 @@ double SpecklePlane::intensity_at(double x, double y) const {
   const auto column = static_cast<std::ptrdiff_t>(x);
   const auto row = static_cast<std::ptrdiff_t>(y);
   const auto phase = [](double fraction) {
-    return static_cast<std::size_t>(fraction * kPhases + 0.5);
+    const double nearest = fraction * kPhases + 0.5;
+    return static_cast<std::size_t>(nearest);
   };
   const TapWeights& across = weights_[phase(x - static_cast<double>(column))];
   const TapWeights& down = weights_[phase(y - static_cast<double>(row))];
