@@ -84,8 +84,7 @@ void SpeckleField::load_patch(std::int64_t frame, std::int64_t column, std::int6
   loaded_ = true;
 }
 
-void SpeckleField::add_intensity(std::int64_t frame, double x, double y, double weight,
-                                 double* sum) {
+void SpeckleField::transform(std::int64_t frame, double x, double y) {
   const double cell_x = std::floor(x + 0.5);
   const double cell_y = std::floor(y + 0.5);
   load_patch(frame, static_cast<std::int64_t>(cell_x) - margin_,
@@ -109,10 +108,25 @@ void SpeckleField::add_intensity(std::int64_t frame, double x, double y, double 
   // The ramps include the margin, so that the samples asked for are the first of the patch.
   cv::Mat field = as_matrix(field_, patch_rows_, patch_columns_);
   cv::dft(field, field, cv::DFT_INVERSE);
+}
 
+void SpeckleField::add_intensity(std::int64_t frame, double x, double y, double weight,
+                                 double* sum) {
+  transform(frame, x, y);
   for (int r = 0; r < geometry_.rows; ++r) {
     const std::complex<double>* row = field_.data() + std::ptrdiff_t{r} * patch_columns_;
     for (int c = 0; c < geometry_.columns; ++c) *sum++ += weight * std::norm(row[c]);
+  }
+}
+
+void SpeckleField::read(std::int64_t frame, std::int64_t column, std::int64_t row,
+                        std::complex<float>* out) {
+  transform(frame, static_cast<double>(column), static_cast<double>(row));
+  for (int r = 0; r < geometry_.rows; ++r) {
+    const std::complex<double>* from = field_.data() + std::ptrdiff_t{r} * patch_columns_;
+    out = std::transform(from, from + geometry_.columns, out, [](const std::complex<double>& z) {
+      return std::complex<float>(static_cast<float>(z.real()), static_cast<float>(z.imag()));
+    });
   }
 }
 

@@ -33,7 +33,13 @@ class SpeckleField {
   /// sample lies at ground position (x, y), in samples.
   void add_intensity(std::int64_t frame, double x, double y, double weight, double* sum);
 
+  /// The field itself (E|field|^2 = 1), columns * rows values, row-major. The first sample lies on
+  /// the lattice site (column, row).
+  void read(std::int64_t frame, std::int64_t column, std::int64_t row, std::complex<float>* out);
+
  private:
+  /// Leaves the samples asked for in the top left of field_.
+  void transform(std::int64_t frame, double x, double y);
   void load_patch(std::int64_t frame, std::int64_t column, std::int64_t row);
   void fill_transfer();
 
