@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/body_reference.h"
 
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -18,12 +17,8 @@ Error at(const std::string& name, std::size_t line, const std::string& sentence)
 
 /// Without sigmas.
 ReferencePose reference_pose(const TrajectoryPose& pose) {
-  const Quaternion& q = pose.rotation;
-  return {.stamp = pose.stamp,
-          .x_m = pose.x_m,
-          .y_m = pose.y_m,
-          .yaw_rad = std::atan2(2.0 * (q.w * q.z + q.x * q.y),
-                                q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z)};
+  return {
+      .stamp = pose.stamp, .x_m = pose.x_m, .y_m = pose.y_m, .yaw_rad = heading_rad(pose.rotation)};
 }
 
 /// A sigma from its column or from the option that stands for it.

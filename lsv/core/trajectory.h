@@ -4,6 +4,7 @@
 // in z = 0. Plain values.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "lsv/core/shift.h"
@@ -18,6 +19,11 @@ struct Quaternion {
   double z = kUnknown;
   double w = kUnknown;
 };
+
+/// Of body x about z, (-pi, pi]. NaN without rotation.
+inline double heading_rad(const Quaternion& q) {
+  return std::atan2(2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z);
+}
 
 struct TrajectoryPose {
   Stamp stamp{};
