@@ -17,6 +17,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kLengthTolerance = 0.1;
+constexpr double kRounding = 1e-9;
 constexpr double kOutside = 0.05;
 
 double wrapped_rad(double angle_rad) {
@@ -163,6 +164,7 @@ std::vector<SegmentError> segment_errors(const PosePairs& pairs,
     const auto off = [&](std::size_t i) { return std::abs(progress[i] - goal); };
     // Progress does not fall and neither does the goal: what is passed stays passed.
     while (last + 1 < progress.size() && progress[last] < goal) ++last;
+    if (progress[last] < goal - kRounding * length) break;
     const bool is_before = last > first + 1 && off(last - 1) <= off(last);
     const std::size_t nearest = is_before ? last - 1 : last;
     if (!(off(nearest) <= kLengthTolerance * length)) continue;

@@ -46,9 +46,9 @@ struct SegmentError {
 };
 
 /// From every pair to that whose `progress` (not falling: path_m() or elapsed_s()) is nearest to
-/// `length` > 0 further on, where that is within 10 % of it. With rotation the error is that of the
-/// motion in body axes, so that no turn of the whole path changes it; without, that of the
-/// displacement along the axes.
+/// `length` > 0 further on, where that is within 10 % of it; none from where less than `length` is
+/// left. With rotation the error is that of the motion in body axes, so that no turn of the whole
+/// path changes it; without, that of the displacement along the axes.
 std::vector<SegmentError> segment_errors(const PosePairs& pairs,
                                          const std::vector<double>& progress, double length);
 
