@@ -360,8 +360,10 @@ Result<TrajectoryFormat> trajectory_format(const std::string& name, std::string_
 
 Result<TrajectoryFile> trajectory_of(const CsvTable& table) {
   Result<TrajectoryFile> out = CsvTrajectory(table).read();
-  if (out && out.value().trajectory.poses.empty()) return no_pose(table.name());
-  return out;
+  if (!out || !out.value().trajectory.poses.empty()) return out;
+  Error error = no_pose(table.name());
+  if (table.rows() > 0) error.message += ": x_m, y_m or yaw_rad is empty in all its rows";
+  return error;
 }
 
 Result<TrajectoryFile> parse_trajectory(std::string text, const std::string& name,

@@ -147,7 +147,7 @@ TEST(TrajectoryFile, HostileTextIsRefusedWithFileLineAndField) {
       {kitti, "1 0 0 0 0 1 0 0 0 0 1 -1e9\n", "beyond 1e8 m"},
       {csv, "", "t: no line that names the columns"},
       {csv, header, "t: holds no pose"},
-      {csv, header + "0,,0,0\n", "t: holds no pose"},
+      {csv, header + "0,,0,0\n", "t: holds no pose: x_m, y_m or yaw_rad is empty"},
       {csv, header + "0,0,0,0\n1,0,0\n", "t:3: 3 cells under 4 columns"},
       {csv, header + ",0,0,0\n", "t:2: time_s is \"\""},
       {csv, header + "1,0,0,0\n1,,,\n", "t:3: time_s: the time does not increase"},
