@@ -3,17 +3,12 @@
 // (mount_fit.h, scale_ratio.h). Frames and signs: docs/mount.md.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "lsv/core/shift.h"
 #include "lsv/core/stamp.h"
 
 namespace lsv {
-
-/// Stamps lie within it, 126 years, and steps are shorter than a quarter of it: differences never
-/// overflow.
-inline constexpr std::int64_t kFarthestStamp_ns = 4'000'000'000'000'000'000;
 
 /// Pose of the body frame (x forward, y left, z up) in a frame that is fixed to the ground, z up.
 struct ReferencePose {
@@ -29,7 +24,7 @@ struct ReferencePose {
 using BodyReference = std::vector<ReferencePose>;
 
 /// One accepted shift as travel of the sensor over the ground, along the reference axes of its
-/// calibration.
+/// calibration. Shorter than a quarter of kFarthestStamp_ns.
 struct TrackStep {
   Stamp begin{};
   Stamp end{};  // > begin

@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
   add_convert_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_calibrate_command(app, exit_code);
+  add_evaluate_command(app, exit_code);
   add_budget_command(app, exit_code);
   add_faults_command(app, exit_code);
   if (const Result<void> words = check_command_words(app, argc, argv); !words)

@@ -10,6 +10,9 @@ namespace lsv {
 
 inline constexpr std::int64_t kNsPerS = 1'000'000'000;
 
+/// Stamps of files lie within it, 126 years: differences never overflow.
+inline constexpr std::int64_t kFarthestStamp_ns = 4'000'000'000'000'000'000;
+
 struct Stamp {
   std::int64_t ns = 0;
   friend auto operator<=>(const Stamp&, const Stamp&) = default;

@@ -107,6 +107,10 @@ void write_texts(const fs::path& folder) {
   add("timestamps", "frames", "frame,time_ns\n0,100\n3,200\n");
   add("timestamps", "number", "1700000000.123456789");
   add("csv_table", "track", "# unit: m\nframe,dx_px,status\n1,0.25,ok\n2,,dark\n");
+  add("trajectory", "csv",
+      "0time_s,x_m,y_m,yaw_rad,cov_xx_m2,cov_xy_m2,cov_yy_m2\n0,1,2,0.5,1,0,1\n1,,,,,,\n");
+  add("trajectory", "tum", "1# t x y z\n0.5 1 2 3 0 0 0 1\n1.5 1 2 3 0 0 1 0\n");
+  add("trajectory", "kitti", "21 0 0 5 0 1 0 6 0 0 1 7\n0 -1 0 5 1 0 0 6 0 0 1 7\n");
   add("option_text", "raw", "640x480:mono12:1024");
   add("option_text", "roi", "0,0,256,256");
 }
@@ -192,7 +196,7 @@ int main(int argc, char** argv) {
   const fs::path folder = argv[1];
   for (const char* target :
        {"image_decode", "tiff_stack", "timestamps", "option_text", "calibration", "csv_table",
-        "sensor_maps", "mcap", "mcap_tail", "recording"})
+        "sensor_maps", "mcap", "mcap_tail", "recording", "trajectory"})
     fs::create_directories(folder / target);
   const fs::path scratch = lsv::test::fresh_folder(folder, "scratch");
   write_images(folder, scratch);
