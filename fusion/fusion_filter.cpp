@@ -94,16 +94,31 @@ void FusionFilter::update(const Row& row, FilterState& state) {
     return;
   }
   const StateVector gain = ph / s;
-  // Joseph: (I - K h') P (I - K h')' + K r K'
-  const StateMatrix left = state.p - gain * ph.transpose();
-  StateMatrix p = left - (left * row.h) * gain.transpose() + row.variance * gain * gain.transpose();
-  p = 0.5 * (p + p.transpose().eval());
-  if (!p.allFinite() || !(p.diagonal().array() >= 0.0).all()) {
-    ++state.counters.updates_refused;
-    return;
+  // Joseph, (I - K h') P (I - K h')' + K r K', multiplied out: symmetric whatever is rounded.
+  StateMatrix p = state.p;
+  for (int i = 0; i < kStates; ++i) {
+    for (int j = 0; j <= i; ++j)
+      p(i, j) += s * gain(i) * gain(j) - gain(i) * ph(j) - ph(i) * gain(j);
+    if (!(p(i, i) >= 0.0) || !std::isfinite(p(i, i))) {
+      ++state.counters.updates_refused;
+      return;
+    }
   }
+  p.triangularView<Eigen::StrictlyUpper>() = p.transpose();
   state.p = p;
   state.x += gain * row.innovation;
+}
+
+/// The motion changed from one sample to the next, nobody knows when: on average half way, so that
+/// half of the change was missed; with the scatter of a time that is anywhere in between.
+void FusionFilter::jump_in_between(const Eigen::Vector3d& motion_before, double dt_s,
+                                   FilterState& state) {
+  const Eigen::Vector3d missed = (state.x.segment<3>(kVx) - motion_before) * dt_s;
+  const double c = std::cos(state.x(kYaw)), s = std::sin(state.x(kYaw));
+  const Eigen::Vector3d way{c * missed.x() - s * missed.y(), s * missed.x() + c * missed.y(),
+                            missed.z()};
+  state.x.head<3>() += 0.5 * way;
+  state.p.topLeftCorner<3, 3>() += way * way.transpose() / 12.0;
 }
 
 void FusionFilter::weigh_lsv(const LsvReadings& readings, FilterState& state) const {
@@ -125,22 +140,24 @@ void FusionFilter::weigh_lsv(const LsvReadings& readings, FilterState& state) co
   state.was_odd_in_agreement = judgement.is_odd_in_agreement;
   state.lsv_agreement = {innovation_chi2(stack, motion, covariance), stack.rows};
 
+  bool is_forgotten = false;
   if (judgement.is_any_believed) {
     state.lsv_epochs_refused = 0;
     if (judgement.is_jump) {
       ++state.counters.velocity_steps;
-      forget_motion(state);
+      is_forgotten = true;
     }
   } else if (++state.lsv_epochs_refused > config_.max_rejected_in_a_row) {
     // What is refused again and again is the motion, not an outlier.
     ++state.counters.lsv_streaks_ended;
     state.lsv_epochs_refused = 0;
-    forget_motion(state);
+    is_forgotten = true;
     for (std::size_t i = 0; i < there.size(); ++i) {
       if (there[i]) judgement.verdict[i] = LsvVerdict::believed;
     }
     judgement.is_any_believed = true;
   }
+  if (is_forgotten) forget_motion(state);
   for (std::size_t i = 0; i < readings.size(); ++i) {
     switch (judgement.verdict[i]) {
       case LsvVerdict::absent:
@@ -165,6 +182,8 @@ void FusionFilter::weigh_lsv(const LsvReadings& readings, FilterState& state) co
         break;
     }
   }
+  if (is_forgotten && state.last_lsv)
+    jump_in_between(motion, seconds_between(*state.last_lsv, state.stamp), state);
   if (judgement.is_any_believed) state.last_lsv = state.stamp;
 }
 

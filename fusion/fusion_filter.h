@@ -78,6 +78,8 @@ class FusionFilter {
   void follow_rim(double rim_m_s, double variance_m2_s2, bool is_left, FilterState& state) const;
   void watch_slip(double rim_m_s, double variance_m2_s2, bool is_left, FilterState& state) const;
   void forget_motion(FilterState& state) const;
+  static void jump_in_between(const Eigen::Vector3d& motion_before, double dt_s,
+                              FilterState& state);
   void forget_grip(bool is_left, FilterState& state) const;
   WheelGrip grip(bool is_left, const FilterState& state) const;
   static void update(const Row& row, FilterState& state);

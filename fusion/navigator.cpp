@@ -30,9 +30,11 @@ struct Navigator::Impl {
   Past& past(std::size_t i) { return ring[(first + i) % ring.size()]; }
   const Past& past(std::size_t i) const { return ring[(first + i) % ring.size()]; }
 
-  /// `put` the sample into the epoch of its time, and compute all from there on.
+  /// `put` the sample into the epoch of its time; what follows is computed when it is asked for, or
+  /// when time goes on, so that samples of one time are weighed once.
   template <typename Put>
   SampleStatus add(Stamp stamp, Put put);
+  void settle();
 
   fusion::FusionFilter filter;
   std::int64_t same_time_ns;
@@ -40,9 +42,18 @@ struct Navigator::Impl {
   std::size_t first = 0;
   std::size_t count = 0;
   fusion::FilterState before{};  // all that the ring holds
+  std::size_t settled = 0;       // epochs whose state is computed, from the oldest on
   bool has_begun = false;
   std::uint64_t late = 0, too_late = 0, invalid = 0;
 };
+
+void Navigator::Impl::settle() {
+  for (; settled < count; ++settled) {
+    Past& now = past(settled);
+    now.after = settled == 0 ? before : past(settled - 1).after;
+    filter.process(now.epoch, now.after);
+  }
+}
 
 template <typename Put>
 SampleStatus Navigator::Impl::add(Stamp stamp, Put put) {
@@ -65,15 +76,18 @@ SampleStatus Navigator::Impl::add(Stamp stamp, Put put) {
       --late;
       return SampleStatus::too_late;
     }
+    if (at == count) settle();
     if (count == ring.size()) {
       if (at == 0) {
         ++too_late;
         --late;
         return SampleStatus::too_late;
       }
+      settle();
       before = past(0).after;
       first = (first + 1) % ring.size();
       --count;
+      --settled;
       --at;
     }
     ++count;
@@ -82,10 +96,7 @@ SampleStatus Navigator::Impl::add(Stamp stamp, Put put) {
     past(at).epoch.stamp = stamp;
   }
   put(past(at).epoch);
-  for (std::size_t i = at; i < count; ++i) {
-    past(i).after = i == 0 ? before : past(i - 1).after;
-    filter.process(past(i).epoch, past(i).after);
-  }
+  settled = std::min(settled, at);
   return SampleStatus::taken;
 }
 
@@ -156,12 +167,14 @@ SampleStatus Navigator::add(const StandstillSample& sample) {
 
 NavState Navigator::state() const {
   if (impl_->count == 0) return {};
+  impl_->settle();
   const fusion::FilterState& newest = impl_->past(impl_->count - 1).after;
   return impl_->filter.describe(newest, newest.stamp);
 }
 
 NavState Navigator::state_at(Stamp stamp) const {
   if (impl_->count == 0) return {};
+  impl_->settle();
   fusion::FilterState newest = impl_->past(impl_->count - 1).after;
   if (stamp <= newest.stamp) return impl_->filter.describe(newest, newest.stamp);
   impl_->filter.predict_to(stamp, newest);
@@ -170,6 +183,7 @@ NavState Navigator::state_at(Stamp stamp) const {
 
 FusionCounters Navigator::counters() const {
   FusionCounters out;
+  impl_->settle();
   if (impl_->count > 0) out = impl_->past(impl_->count - 1).after.counters;
   out.late = impl_->late;
   out.too_late = impl_->too_late;
