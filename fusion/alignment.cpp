@@ -93,7 +93,7 @@ void fit_plane(const Moments& m, Alignment& out) {
 
 void fit_space(const Moments& m, bool has_scale, Alignment& out) {
   const Eigen::JacobiSVD<Matrix3d> svd(m.cross_m2, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Vector3d strength_m2 = svd.singularValues();
+  const Vector3d& strength_m2 = svd.singularValues();
   if (m.is_one_place || !is_related(strength_m2[0], m)) {
     out.status = AlignmentStatus::free_turn;
     shift_means_together(m, out);

@@ -53,12 +53,12 @@ void add_drift(std::vector<double> lengths_m, TrajectoryEvaluation& to) {
   double sum = 0.0;
   double count = 0.0;
   for (const double length_m : lengths_m) {
-    SegmentSummary summary = summary_of(to.pairs, to.way_m, length_m);
+    const SegmentSummary summary = summary_of(to.pairs, to.way_m, length_m);
     if (summary.translation_m.count == 0) continue;
     const auto n = static_cast<double>(summary.translation_m.count);
     sum += n * summary.mean_rate;
     count += n;
-    to.drift.push_back(std::move(summary));
+    to.drift.push_back(summary);
   }
   if (count > 0.0) to.drift_percent = 100.0 * sum / count;
 }

@@ -70,11 +70,11 @@ using Vector = Eigen::Matrix<double, n, 1>;
 template <int n>
 using Matrix = Eigen::Matrix<double, n, n>;
 
-/// Nothing where P is not a covariance.
+/// Nothing where the covariance is none.
 template <int n>
-std::optional<double> nees(const Vector<n>& error, const Matrix<n>& P) {
-  if (!P.allFinite() || !error.allFinite()) return std::nullopt;
-  const Eigen::LLT<Matrix<n>> root(P);
+std::optional<double> nees(const Vector<n>& error, const Matrix<n>& covariance) {
+  if (!covariance.allFinite() || !error.allFinite()) return std::nullopt;
+  const Eigen::LLT<Matrix<n>> root(covariance);
   if (root.info() != Eigen::Success) return std::nullopt;
   const double out = root.matrixL().solve(error).squaredNorm();
   return std::isfinite(out) ? std::optional(out) : std::nullopt;
@@ -178,9 +178,10 @@ NeesSummary position_nees(const PosePairs& pairs, const Alignment& alignment) {
   return summary_of<2>(pairs, [&](std::size_t i) {
     const TrajectoryPose truth = unaligned(alignment, pairs.truth[i]);
     const PlanarCovariance& cov = pairs.covariances[i];
-    Matrix<2> P;
-    P << cov.xx_m2, cov.xy_m2, cov.xy_m2, cov.yy_m2;
-    return nees<2>({pairs.estimate[i].x_m - truth.x_m, pairs.estimate[i].y_m - truth.y_m}, P);
+    Matrix<2> covariance;
+    covariance << cov.xx_m2, cov.xy_m2, cov.xy_m2, cov.yy_m2;
+    return nees<2>({pairs.estimate[i].x_m - truth.x_m, pairs.estimate[i].y_m - truth.y_m},
+                   covariance);
   });
 }
 
@@ -189,13 +190,13 @@ NeesSummary pose_nees(const PosePairs& pairs, const Alignment& alignment) {
     const TrajectoryPose& estimate = pairs.estimate[i];
     const TrajectoryPose truth = unaligned(alignment, pairs.truth[i]);
     const PlanarCovariance& cov = pairs.covariances[i];
-    Matrix<3> P;
-    P << cov.xx_m2, cov.xy_m2, cov.xyaw_m_rad,  //
-        cov.xy_m2, cov.yy_m2, cov.yyaw_m_rad,   //
+    Matrix<3> covariance;
+    covariance << cov.xx_m2, cov.xy_m2, cov.xyaw_m_rad,  //
+        cov.xy_m2, cov.yy_m2, cov.yyaw_m_rad,            //
         cov.xyaw_m_rad, cov.yyaw_m_rad, cov.yawyaw_rad2;
     const double yaw_rad =
         wrapped_rad(heading_rad(estimate.rotation) - heading_rad(truth.rotation));
-    return nees<3>({estimate.x_m - truth.x_m, estimate.y_m - truth.y_m, yaw_rad}, P);
+    return nees<3>({estimate.x_m - truth.x_m, estimate.y_m - truth.y_m, yaw_rad}, covariance);
   });
 }
 

@@ -187,7 +187,7 @@ TEST(Alignment, AgreesWithIndependentClosedForms) {
       worst = std::max(worst, difference);
     }
   }
-  RecordProperty("worst_difference", std::to_string(worst));
+  RecordProperty("worst_difference", testing::PrintToString(worst));
 }
 
 // Of a mirror image a rotation is the best answer, never the mirror.

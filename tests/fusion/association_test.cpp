@@ -74,7 +74,8 @@ TEST(Association, AgreesWithTheSearchOverAllPairs) {
     std::vector<double> times[2];
     for (std::vector<double>& t : times) {
       double time_s = 0.0;
-      for (int i = 0; i < 40; ++i) t.push_back(time_s += 0.001 * static_cast<double>(1 + random() % 60));
+      for (int i = 0; i < 40; ++i)
+        t.push_back(time_s += 0.001 * static_cast<double>(1 + random() % 60));
     }
     Indices expected;
     const auto ms = [](double time_s) { return std::lround(1000.0 * time_s); };

@@ -203,8 +203,9 @@ TEST(Evaluation, SegmentsAreThoseNearestToTheLength) {
   double x_m = 0.0;
   for (int i = 0; i < 300; ++i) {
     poses.push_back(planar_pose(0.1 * i, x_m, 0.0, 0.0));
-    if (i < 100 || i > 120) x_m += 0.001 * static_cast<double>(random() % 200);  // stands still in between
-    if (i == 200) x_m += 1.0;                                 // and jumps
+    if (i < 100 || i > 120)
+      x_m += 0.001 * static_cast<double>(random() % 200);  // stands still in between
+    if (i == 200) x_m += 1.0;                              // and jumps
   }
   const Trajectory truth = test::planar(std::move(poses));
   const PosePairs pairs = test::pairs_of(truth, truth);

@@ -10,9 +10,9 @@ namespace {
 void check(const lsv::Trajectory& trajectory) {
   using lsv::fuzz::require;
   require(!trajectory.poses.empty(), "a trajectory has a pose");
-  require(trajectory.covariances.empty() ||
-              trajectory.covariances.size() == trajectory.poses.size(),
-          "each pose has its covariance");
+  require(
+      trajectory.covariances.empty() || trajectory.covariances.size() == trajectory.poses.size(),
+      "each pose has its covariance");
   const lsv::TrajectoryPose* before = nullptr;
   for (const lsv::TrajectoryPose& pose : trajectory.poses) {
     require(before == nullptr || before->stamp < pose.stamp, "stamps increase");

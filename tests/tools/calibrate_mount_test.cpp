@@ -351,13 +351,14 @@ TEST(CalibrateMount, HostileTumFiles) {
   const struct {
     std::string text;
     std::string says;
-  } cases[] = {{"", "holds no pose"},
-               {"0 0 0 0 0 0 0\n", "b.tum:1: must hold t x y z qx qy qz qw"},
-               {"# c\n0 0 0 0 0 0 0 2\n", "b.tum:2: qx qy qz qw: the quaternion is not of length 1"},
-               {"0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "b.tum:2: t: the time does not increase"},
-               {"t 0 0 0 0 0 0 1\n", "b.tum:1: t is \"t\", not a time"},
-               {"0 nan 0 0 0 0 0 1\n", "b.tum:1: x is \"nan\", not a number"},
-               {std::string("0 0 0 0 0 0 0 1\0\n", 17), "not a number"}};
+  } cases[] = {
+      {"", "holds no pose"},
+      {"0 0 0 0 0 0 0\n", "b.tum:1: must hold t x y z qx qy qz qw"},
+      {"# c\n0 0 0 0 0 0 0 2\n", "b.tum:2: qx qy qz qw: the quaternion is not of length 1"},
+      {"0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n", "b.tum:2: t: the time does not increase"},
+      {"t 0 0 0 0 0 0 1\n", "b.tum:1: t is \"t\", not a time"},
+      {"0 nan 0 0 0 0 0 1\n", "b.tum:1: x is \"nan\", not a number"},
+      {std::string("0 0 0 0 0 0 0 1\0\n", 17), "not a number"}};
   for (const auto& [text, says] : cases) {
     write_text(folder + "/drive/b.tum", text);
     const ProgramResult result = mount(folder, args, "b.tum");
