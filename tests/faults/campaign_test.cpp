@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Sabotage{Broken::stamp_check, "T1", "stamp_check"},
                     Sabotage{Broken::format_check, "A12 size", "format_check"},
                     Sabotage{Broken::frozen_check, "A3 frozen 3", "frozen_check"},
-                    Sabotage{Broken::light_check, "A6 off", "light_check"},
+                    Sabotage{Broken::light_check, "A5 saturated", "light_check"},
                     Sabotage{Broken::correlation_gate, "A2 100", "correlation_gate"},
                     Sabotage{Broken::covariance, "clean", "covariance"},
                     Sabotage{Broken::silence, "A2 100", "silence"},

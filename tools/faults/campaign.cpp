@@ -57,8 +57,7 @@ void take_out(Broken broken, Script& script, TrackConfig& config, StreamOptions&
       gate.min_signal_fraction = 0.0;
       gate.max_saturated_fraction = 1.0;
       gate.min_contrast_to_noise = 0.0;
-      // The correlation gate refuses noise as well: what the check is worth shows without it.
-      [[fallthrough]];
+      break;
     case Broken::correlation_gate:
       gate.min_zncc = -1.0;
       gate.min_zncc_sigmas = 0.0;

@@ -42,6 +42,15 @@ Checker::Checker(const Footage& footage, const std::vector<Delivery>& deliveries
     exposure_by_arrival_[delivery.label.arrival_ns] = delivery.exposure;
 }
 
+namespace {
+
+bool is_about_light(ShiftStatus status) {
+  return status == ShiftStatus::dark || status == ShiftStatus::saturated ||
+         status == ShiftStatus::low_contrast;
+}
+
+}  // namespace
+
 void Checker::tell(Alarm alarm) { told_.push_back({clock_.now_ns(), alarm}); }
 
 void Checker::on_books(const HealthSnapshot& health) {
@@ -75,6 +84,7 @@ void Checker::on_report(const StreamReport& report, Frame&) {
     accepted_ns_.push_back(report.label.arrival_ns);
   } else if (!is_first) {
     tell(kRefused);
+    if (is_about_light(step.shift.status)) tell(kLight);
   }
   if (const Episode* const episode = episode_before(report.label.arrival_ns);
       episode != nullptr && report.label.arrival_ns <= episode->end_ns) {

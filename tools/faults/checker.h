@@ -26,6 +26,7 @@ enum Alarm : unsigned {
   kRefused = 16,  // no shift to this frame
   kSegment = 32,  // the ground was lost
   kLost = 64,     // the source is silent
+  kLight = 128,   // no shift, and the light is to blame
 };
 
 /// Between these two instants of the virtual clock something is wrong.

@@ -220,9 +220,11 @@ std::vector<Scenario> frame_scenarios() {
   out.push_back(spoilt("blank", "black frames", [](Script& script, std::int64_t k) {
     script.at(k).spoil = [](Frame& frame) { fill(frame, 0); };
   }));
-  out.push_back(spoilt("saturated", "white frames", [](Script& script, std::int64_t k) {
+  Scenario saturated = spoilt("saturated", "white frames", [](Script& script, std::int64_t k) {
     script.at(k).spoil = [](Frame& frame) { fill(frame, 255); };
-  }));
+  });
+  saturated.alarms = kLight;
+  out.push_back(std::move(saturated));
   const auto half = [](Script& script, std::int64_t k) {
     const int from = script.footage.format().height_px / 2;
     script.at(k).spoil = other_rows(script.footage, -1, from, 1, 1);
@@ -238,7 +240,7 @@ std::vector<Scenario> frame_scenarios() {
   };
   out.push_back(spoilt("stripes", "every other 8 rows of 20 frames before", stripes, std::nullopt));
 
-  out.push_back(light("off", "laser off for 0.3 s", kRefused, 300, [](std::int64_t) { return 0.0; },
+  out.push_back(light("off", "laser off for 0.3 s", kLight, 300, [](std::int64_t) { return 0.0; },
                       {.latency_frames = 2.0, .faulty_accepted_ratio = 0.0}));
   out.push_back(
       light("dim", "laser at 10 % for 0.3 s", 0, 300, [](std::int64_t) { return 0.1; }, {}));
