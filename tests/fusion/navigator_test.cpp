@@ -90,7 +90,7 @@ TEST(Navigator, OneWheelThatSlipsIsTheOneThatIsTold) {
     const double vx_m_s = 0.75 * kSpeed_m_s, wz_rad_s = (is_left ? 1.0 : -1.0) * 0.034375;
     for (int k = 100; k < 200; ++k) {
       for (std::size_t i = 0; i < 2; ++i) {
-        const LsvConfig& at = rover().lsv[i];
+        const LsvConfig at = rover().lsv[i];
         nav.add(i, lsv_sample(k * kDt_ns, vx_m_s - wz_rad_s * at.y_m, wz_rad_s * at.x_m));
       }
       nav.add(WheelSample{{k * kDt_ns}, kSpeed_m_s / 0.1, kSpeed_m_s / 0.1});
