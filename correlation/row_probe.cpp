@@ -10,6 +10,12 @@
 namespace lsv {
 namespace {
 
+// With fewer columns there is no speckle to speak of.
+constexpr int kLeastHalf_px = 12;
+// Both steps are odd, so that both fields of interlaced frames are probed. A glance at few rows
+// will do for most frames; the others are looked at more closely.
+constexpr int kGlanceRows = 30;
+constexpr int kLeastStep_px = 3;
 // With fewer rows nothing stands out from chance.
 constexpr int kLeastRows = 12;
 // Half rows with less pattern than this share of the mean have no say.
@@ -18,6 +24,8 @@ constexpr double kLeastShare = 0.02;
 constexpr double kNoMove_px = 0.006;
 constexpr double kNoChange = 0.007;  // residual variance / variance of the pattern
 constexpr double kMostGain = 15.0;
+// Gradients are sums of two frames over two pixels.
+constexpr double kPxPerStep = 4.0;
 
 /// Weighted sums over the rows of two profiles, each to be freed of a polynomial in the row.
 class CommonPart {
@@ -65,14 +73,12 @@ class CommonPart {
       rr_ -= b[i] * b[i];
       lr_ -= a[i] * b[i];
     }
-    taken_ = std::max(0.0, a[1] * b[1]);
     taken_out_ = static_cast<double>(terms);
   }
 
   double ll() const { return std::max(ll_, 0.0); }
   double rr() const { return std::max(rr_, 0.0); }
   double lr() const { return lr_; }
-  double taken() const { return taken_; }
   double weight() const { return moments_[0]; }
   /// Independent pairs, when a row tells `share` of what an independent one would.
   double freedoms(double share) const {
@@ -86,7 +92,6 @@ class CommonPart {
   double ll_ = 0.0, rr_ = 0.0, lr_ = 0.0;
   double weight_squares_ = 0.0;
   double taken_out_ = 0.0;
-  double taken_ = 0.0;
 };
 
 double fisher_sigmas(double lr, double ll, double rr, double freedoms) {
@@ -99,6 +104,9 @@ std::int16_t to_steps(double counts, int bit_depth) {
   const double steps = std::ldexp(counts, kernels::kProbeBits - bit_depth);
   return static_cast<std::int16_t>(std::lround(std::clamp(steps, -4096.0, 4096.0)));
 }
+
+int odd_step(int height_px, int rows) { return std::max(kLeastStep_px, (height_px / rows) | 1); }
+int rows_at(int height_px, int step_px) { return (height_px + step_px - 1) / step_px; }
 
 /// Lagrange, five points: the value at -fraction.
 std::array<std::int16_t, kernels::kProbeTaps> interpolation_weights(double fraction_px) {
@@ -117,7 +125,7 @@ std::array<std::int16_t, kernels::kProbeTaps> interpolation_weights(double fract
 
 /// What tells at once whether the rows agree.
 struct Glance {
-  double variance = 0.0;  // of the shifts of rows, (px / 2)^2, a straight line left in
+  double variance = 0.0;  // of the shifts of rows, steps^2, a straight line left in
   double rr = 0.0, pp = 0.0;
   double xx = 0.0, yy = 0.0;
 };
@@ -170,7 +178,7 @@ double zncc_of(const kernels::ProbeHalf& half, double n) {
   return pp > n && later > n ? (pp + rp) / std::sqrt(pp * later) : 0.0;
 }
 
-/// One Gauss-Newton step of half a row, in (px / 2).
+/// One Gauss-Newton step of half a row, in 1/kPxPerStep px.
 struct Step {
   bool is_known = false;
   double x = 0.0, y = 0.0;
@@ -211,10 +219,7 @@ RowAgreement agreement_of(const kernels::ProbedRow* rows, int count, int half_px
   x.take_out(2);
   y.take_out(2);
   change.take_out(1);
-  out.line_px = 2.0 * std::sqrt((x.taken() / x.weight() + y.taken() / y.weight()));
-  // Gradients span two pixels.
-  const double px = 2.0;
-  out.moved_px = px * std::sqrt(std::max(0.0, x.lr() / x.weight() + y.lr() / y.weight()));
+  out.moved_px = kPxPerStep * std::sqrt(std::max(0.0, x.lr() / x.weight() + y.lr() / y.weight()));
   const double scale = x.weight() / y.weight();
   out.moved_sigmas =
       fisher_sigmas(x.lr() + scale * y.lr(), x.ll() + scale * y.ll(), x.rr() + scale * y.rr(),
@@ -238,8 +243,8 @@ RowAgreement RowProbe::measure(const TrackFrame& earlier, const TrackFrame& late
   const int bottom = std::min(format.height_px - 1, format.height_px + window.dy_px - kReach_px);
   const int width = right - left, height = bottom - top;
   const int half_px = kernels::probe_half_px(width);
-  const int count = kernels::probed_rows(height);
-  if (half_px == 0 || count < kLeastRows || !(window.gain > 0.0 && window.gain < kMostGain))
+  if (half_px < kLeastHalf_px || height < kLeastRows * kLeastStep_px ||
+      !(window.gain > 0.0 && window.gain < kMostGain))
     return {};
   const double later_mean_counts = window.gain * window.earlier_mean_counts + window.offset_counts;
   const kernels::ProbeMap map{
@@ -249,23 +254,30 @@ RowAgreement RowProbe::measure(const TrackFrame& earlier, const TrackFrame& late
       .gain_2048 = static_cast<std::int16_t>(std::lround(2048.0 * window.gain)),
       .earlier_mean = to_steps(window.gain * window.earlier_mean_counts, format.bit_depth),
       .later_mean = to_steps(later_mean_counts, format.bit_depth)};
-  const auto probe = [&]<typename Pixel>(Pixel) {
+  const auto probe = [&]<typename Pixel>(Pixel, int step_px) {
     const kernels::Plane<const Pixel> a = earlier.pixels<Pixel>(), b = later.pixels<Pixel>();
     kernels::probe_rows<Pixel>({a.at(left - window.dx_px, top - window.dy_px), a.stride},
-                               {b.at(left, top), b.stride}, width, height, map, rows_.data());
+                               {b.at(left, top), b.stride}, width, rows_at(height, step_px),
+                               step_px, map, rows_.data());
   };
-  if (format.type == PixelType::mono8)
-    probe(std::uint8_t{});
-  else
-    probe(std::uint16_t{});
+  const auto probe_every = [&](int step_px) {
+    if (format.type == PixelType::mono8)
+      probe(std::uint8_t{}, step_px);
+    else
+      probe(std::uint16_t{}, step_px);
+    return glance_at(rows_.data(), rows_at(height, step_px));
+  };
 
-  const Glance glance = glance_at(rows_.data(), count);
-  const double no_move = 0.5 * kNoMove_px;
+  const int glance_px = odd_step(height, kGlanceRows);
+  Glance glance = probe_every(glance_px);
+  const double no_move = kNoMove_px / kPxPerStep;
   if (glance.variance < no_move * no_move && glance.rr < kNoChange * glance.pp) return {};
+  const int step_px = odd_step(height, kMostRows);
+  if (step_px != glance_px) glance = probe_every(step_px);
   // Patterns are alike over their width; their squares, which is what counts here, over less.
   const double alike_px = speckle_fwhm_px(peak.shape.yy_px2) / std::sqrt(2.0);
-  const double share = std::clamp(kernels::probe_step(height) / alike_px, 0.1, 1.0);
-  return agreement_of(rows_.data(), count, half_px, glance, share);
+  const double share = std::clamp(step_px / alike_px, 0.1, 1.0);
+  return agreement_of(rows_.data(), rows_at(height, step_px), half_px, glance, share);
 }
 
 }  // namespace lsv

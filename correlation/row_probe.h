@@ -29,7 +29,6 @@ struct RowAgreement {
   double moved_sigmas = 0.0;    // how far from chance
   double changed = 0.0;         // rms of their ZNCC about that of the frame
   double changed_sigmas = 0.0;  // how far from chance
-  double line_px = 0.0;         // rms of the straight line taken out
 };
 
 /// Allocates nothing; one object per thread.
@@ -40,7 +39,9 @@ class RowProbe {
                        const Peak& peak);
 
  private:
-  std::array<kernels::ProbedRow, kernels::kMostProbedRows> rows_{};
+  static constexpr int kMostRows = 128;
+  // A step is at least the height over kMostRows, less than one more is left over per step of 3.
+  std::array<kernels::ProbedRow, 4 * kMostRows / 3 + 1> rows_{};
 };
 
 }  // namespace lsv

@@ -235,7 +235,9 @@ constexpr int kProbeSums = sizeof(ProbeHalf) / sizeof(std::int32_t);
 constexpr std::size_t kProbeVectors = 2 * kProbeSums + hn::MaxLanes(WideTag());
 
 template <typename Pixel>
-HWY_INLINE void ProbeHalfOf(const std::int16_t* HWY_RESTRICT along_y, Plane<const Pixel> later,
+HWY_INLINE void ProbeHalfOf(const std::int16_t* HWY_RESTRICT along_y,
+                            const Pixel* HWY_RESTRICT earlier_above,
+                            const Pixel* HWY_RESTRICT earlier_below, Plane<const Pixel> later,
                             int width_px, const ProbeMap& map, std::int32_t* HWY_RESTRICT sums) {
   const ShortTag d;
   const WideTag dw;
@@ -257,20 +259,33 @@ HWY_INLINE void ProbeHalfOf(const std::int16_t* HWY_RESTRICT along_y, Plane<cons
   auto rx = hn::Zero(dw), ry = rx, xx = rx, xy = rx, yy = rx;
   auto rr = rx, rp = rx, pp = rx, sr = rx, sp = rx;
   for (int x = 0; x < width_px; x += lanes) {
-    const auto gx = hn::Sub(load(level + x + 1), load(level + x - 1));
-    const auto gy = hn::Sub(load(below + x), load(above + x));
+    const auto scaled = [&](hn::Vec<ShortTag> a) { return hn::MulFixedPoint15(a, gain); };
+    const auto gx_all = hn::SaturatedAdd(
+        hn::Sub(load(level + x + 1), load(level + x - 1)),
+        scaled(hn::Sub(hn::LoadU(d, along_y + x + 1), hn::LoadU(d, along_y + x - 1))));
+    const auto gy_all = hn::SaturatedAdd(
+        hn::Sub(load(below + x), load(above + x)),
+        scaled(hn::ShiftLeft<4>(hn::Sub(load(earlier_below + x), load(earlier_above + x)))));
+    auto gx = clamped(gx_all), gy = clamped(gy_all);
     const auto outer = hn::Add(hn::MulFixedPoint15(hn::LoadU(d, along_y + x - 2), w0),
                                hn::MulFixedPoint15(hn::LoadU(d, along_y + x + 2), w4));
     const auto inner = hn::Add(hn::MulFixedPoint15(hn::LoadU(d, along_y + x - 1), w1),
                                hn::MulFixedPoint15(hn::LoadU(d, along_y + x + 1), w3));
     const auto weighted =
         hn::Add(hn::Add(outer, inner), hn::MulFixedPoint15(hn::LoadU(d, along_y + x), w2));
-    const auto p = clamped(hn::Sub(hn::MulFixedPoint15(weighted, gain), earlier_mean));
-    const auto r = clamped(hn::Sub(hn::Sub(load(level + x), later_mean), p));
+    auto p = clamped(hn::Sub(hn::MulFixedPoint15(weighted, gain), earlier_mean));
+    auto r = clamped(hn::Sub(hn::Sub(load(level + x), later_mean), p));
+    auto ones = one;
+    if (x + lanes > width_px) {
+      const auto inside = hn::FirstN(d, static_cast<std::size_t>(width_px - x));
+      gx = hn::IfThenElseZero(inside, gx), gy = hn::IfThenElseZero(inside, gy);
+      p = hn::IfThenElseZero(inside, p), r = hn::IfThenElseZero(inside, r);
+      ones = hn::IfThenElseZero(inside, one);
+    }
     rx = AddProducts(r, gx, rx), ry = AddProducts(r, gy, ry);
     xx = AddProducts(gx, gx, xx), xy = AddProducts(gx, gy, xy), yy = AddProducts(gy, gy, yy);
     rr = AddProducts(r, r, rr), rp = AddProducts(r, p, rp), pp = AddProducts(p, p, pp);
-    sr = AddProducts(r, one, sr), sp = AddProducts(p, one, sp);
+    sr = AddProducts(r, ones, sr), sp = AddProducts(p, ones, sp);
   }
   const std::size_t step = hn::Lanes(dw);
   // In the order of ProbeHalf.
@@ -287,8 +302,8 @@ HWY_INLINE void ProbeHalfOf(const std::int16_t* HWY_RESTRICT along_y, Plane<cons
 }
 
 template <typename Pixel>
-void ProbeRowsOf(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px, int height_px,
-                 const ProbeMap& map, ProbedRow* rows) {
+void ProbeRowsOf(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px, int count,
+                 int step_rows, const ProbeMap& map, ProbedRow* rows) {
   const ShortTag d;
   const WideTag dw;
   const int lanes = static_cast<int>(hn::Lanes(d));
@@ -303,8 +318,8 @@ void ProbeRowsOf(Plane<const Pixel> earlier, Plane<const Pixel> later, int width
   const int right_x = width_px - half_px;
   HWY_ALIGN std::int16_t along_y[2][kMostProbed_px + 2 * kProbeReach_px + hn::MaxLanes(ShortTag())];
   HWY_ALIGN std::int32_t sums[kProbeVectors * hn::MaxLanes(WideTag())] = {};
-  for (int row = 0; row < probed_rows(height_px); ++row) {
-    const int y = row * probe_step(height_px);
+  for (int row = 0; row < count; ++row) {
+    const int y = row * step_rows;
     for (int half = 0; half < 2; ++half) {
       const int begin = (half == 0 ? 0 : right_x) - kProbeReach_px;
       const auto at = [&](int row_above) { return earlier.at(begin, y + row_above); };
@@ -324,8 +339,9 @@ void ProbeRowsOf(Plane<const Pixel> earlier, Plane<const Pixel> later, int width
     }
     for (int half = 0; half < 2; ++half) {
       const int begin = half == 0 ? 0 : right_x;
-      ProbeHalfOf<Pixel>(along_y[half] + kProbeReach_px, {later.at(begin, y), later.stride},
-                         half_px, map, sums + static_cast<std::size_t>(half) * kProbeSums * step);
+      ProbeHalfOf<Pixel>(along_y[half] + kProbeReach_px, earlier.at(begin, y - 1),
+                         earlier.at(begin, y + 1), {later.at(begin, y), later.stride}, half_px, map,
+                         sums + static_cast<std::size_t>(half) * kProbeSums * step);
     }
     std::int32_t totals[kProbeVectors];
     for (std::size_t i = 0; i < 2 * kProbeSums; i += step) {
@@ -340,12 +356,12 @@ void ProbeRowsOf(Plane<const Pixel> earlier, Plane<const Pixel> later, int width
 }
 
 void ProbeRows8(Plane<const std::uint8_t> earlier, Plane<const std::uint8_t> later, int width_px,
-                int height_px, const ProbeMap& map, ProbedRow* rows) {
-  ProbeRowsOf(earlier, later, width_px, height_px, map, rows);
+                int count, int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  ProbeRowsOf(earlier, later, width_px, count, step_rows, map, rows);
 }
 void ProbeRows16(Plane<const std::uint16_t> earlier, Plane<const std::uint16_t> later, int width_px,
-                 int height_px, const ProbeMap& map, ProbedRow* rows) {
-  ProbeRowsOf(earlier, later, width_px, height_px, map, rows);
+                 int count, int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  ProbeRowsOf(earlier, later, width_px, count, step_rows, map, rows);
 }
 
 // ------------------------------------------------------------------------------------- gradients
@@ -656,13 +672,13 @@ LagProducts lag_products(Plane<const std::uint16_t> earlier, Plane<const std::ui
 }
 template <>
 void probe_rows(Plane<const std::uint8_t> earlier, Plane<const std::uint8_t> later, int width_px,
-                int height_px, const ProbeMap& map, ProbedRow* rows) {
-  HWY_DYNAMIC_DISPATCH(ProbeRows8)(earlier, later, width_px, height_px, map, rows);
+                int count, int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  HWY_DYNAMIC_DISPATCH(ProbeRows8)(earlier, later, width_px, count, step_rows, map, rows);
 }
 template <>
 void probe_rows(Plane<const std::uint16_t> earlier, Plane<const std::uint16_t> later, int width_px,
-                int height_px, const ProbeMap& map, ProbedRow* rows) {
-  HWY_DYNAMIC_DISPATCH(ProbeRows16)(earlier, later, width_px, height_px, map, rows);
+                int count, int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  HWY_DYNAMIC_DISPATCH(ProbeRows16)(earlier, later, width_px, count, step_rows, map, rows);
 }
 void derivative(Plane<const float> image, std::ptrdiff_t step, int width_px, int height_px,
                 const std::array<float, kGradientReach_px>& weights_1_px, Plane<float> out) {

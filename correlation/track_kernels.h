@@ -51,19 +51,14 @@ template <typename Pixel>
 LagProducts lag_products(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px,
                          int height_px, int drop_bits);
 
-/// About thirty rows of a region are probed, by an odd step: so that both fields of interlaced
-/// frames are.
-constexpr int probe_step(int height_px) {
-  constexpr int kRows = 30;
-  return height_px < 3 * kRows ? 3 : (height_px / kRows) | 1;
-}
 /// Columns of a half that are looked at, at most.
 inline constexpr int kMostProbed_px = 480;
 /// Grey values are probed in steps of so many bits for the full scale.
 inline constexpr int kProbeBits = 10;
 
 /// Sums over one half of a row: p = gain times the earlier frame, interpolated, less its mean;
-/// r = the later frame less its mean and p; gx, gy = differences of the later frame over two px.
+/// r = the later frame less its mean and p; gx, gy = differences over two px of the later frame and
+/// of gain times the earlier one, added up.
 struct ProbeHalf {
   std::int32_t rx = 0, ry = 0;          // of r gx, r gy
   std::int32_t xx = 0, xy = 0, yy = 0;  // of gx gx, gx gy, gy gy
@@ -87,25 +82,18 @@ struct ProbeMap {
   std::int16_t later_mean = 0;
 };
 
-/// Columns of a half: whole vectors on every instruction set. The left half begins at the first
-/// column of the region, the right half ends at the last.
+/// Columns of a half. The left one begins at the first column of the region, the right one ends at
+/// the last.
 constexpr int probe_half_px(int width_px) {
-  const int half_px = width_px / 2 / 32 * 32;
-  return half_px < kMostProbed_px ? half_px : kMostProbed_px;
-}
-constexpr int probed_rows(int height_px) {
-  return (height_px + probe_step(height_px) - 1) / probe_step(height_px);
+  return width_px / 2 < kMostProbed_px ? width_px / 2 : kMostProbed_px;
 }
 
-/// At any height.
-inline constexpr int kMostProbedRows = 40;
-
-/// Fills probed_rows(height_px) rows. `earlier` and `later` point at the first pixel of their
-/// regions, around which the earlier frame has kProbeReach_px more on every side. Exact on every
-/// instruction set.
+/// Fills `count` rows, every `step_rows`-th of a region from its first on. `earlier` and `later`
+/// point at the first pixel of their regions, around which the earlier frame has kProbeReach_px
+/// more on every side and the later one has one. Exact on every instruction set.
 template <typename Pixel>
-void probe_rows(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px, int height_px,
-                const ProbeMap& map, ProbedRow* rows);
+void probe_rows(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px, int count,
+                int step_rows, const ProbeMap& map, ProbedRow* rows);
 
 /// out(x, y) = derivative of `image` along x or along y; see SpeckleKernel::derivative_1_px().
 /// `step` is 1 for x, the stride for y. Reads 4 pixels beyond the region on either side.

@@ -74,8 +74,11 @@ ProbeHalf probe_half(Plane<const Pixel> earlier, Plane<const Pixel> later, int w
   };
   ProbeHalf out;
   for (int x = 0; x < width_px; ++x) {
-    const int gx = seen(x + 1, 0) - seen(x - 1, 0);
-    const int gy = seen(x, 1) - seen(x, -1);
+    const auto slope = [&](int of_later, int of_earlier) {
+      return std::clamp(of_later + product_15(of_earlier, map.gain_2048), -2047, 2047);
+    };
+    const int gx = slope(seen(x + 1, 0) - seen(x - 1, 0), along_y(x + 1) - along_y(x - 1));
+    const int gy = slope(seen(x, 1) - seen(x, -1), (value(x, 1) - value(x, -1)) * 16);
     const int predicted =
         product_15(weighted(map.weights_x, [&](int k) { return along_y(x + k); }), map.gain_2048);
     const int p = std::clamp(predicted - map.earlier_mean, -2047, 2047);
@@ -89,11 +92,11 @@ ProbeHalf probe_half(Plane<const Pixel> earlier, Plane<const Pixel> later, int w
 }
 
 template <typename Pixel>
-void probe_rows(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px, int height_px,
-                const ProbeMap& map, ProbedRow* rows) {
+void probe_rows(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px, int count,
+                int step_rows, const ProbeMap& map, ProbedRow* rows) {
   const int half_px = probe_half_px(width_px);
-  for (int row = 0; row < probed_rows(height_px); ++row) {
-    const int y = row * probe_step(height_px);
+  for (int row = 0; row < count; ++row) {
+    const int y = row * step_rows;
     const auto half = [&](int x) {
       return probe_half<Pixel>({earlier.at(x, y), earlier.stride}, {later.at(x, y), later.stride},
                                half_px, map);
