@@ -14,14 +14,14 @@ namespace {
 constexpr int kLeastHalf_px = 12;
 // Both steps are odd, so that both fields of interlaced frames are probed. A glance at few rows
 // will do for most frames; the others are looked at more closely.
-constexpr int kGlanceRows = 30;
+constexpr int kGlanceRows = 20;
 constexpr int kLeastStep_px = 3;
 // With fewer rows nothing stands out from chance.
 constexpr int kLeastRows = 12;
 // Half rows with less pattern than this share of the mean have no say.
 constexpr double kLeastShare = 0.02;
-// Rows that agree to this need no closer look: half of what could matter.
-constexpr double kNoMove_px = 0.006;
+// Rows that agree to this need no closer look: less than what could matter.
+constexpr double kNoMove_px = 0.009;
 constexpr double kNoChange = 0.007;  // residual variance / variance of the pattern
 constexpr double kMostGain = 15.0;
 // Gradients are sums of two frames over two pixels.

@@ -13,12 +13,14 @@ constexpr double kRestZncc = 0.95;
 constexpr double kSecondPeakSigmas = 8.0;
 
 // An error of 0.05 px or of 5 sigma comes with rows that scatter by no less than a quarter of that.
-constexpr double kLeastMove_px = 0.012;
+constexpr double kLeastMove_px = 0.02;
 constexpr double kLeastMoveSigmas = 1.4;
 // Of the ZNCC, between 0 and 1: a tenth of the rows that have nothing in common with the others.
 constexpr double kLeastChange = 0.15;
-// Beyond chance.
-constexpr double kRowSigmas = 4.5;
+// Beyond chance. Shifts of rows have longer tails than the normal distribution: two in some 4000
+// good frames were beyond 4.5 sigma.
+constexpr double kMovedSigmas = 6.0;
+constexpr double kChangedSigmas = 4.5;
 
 /// Two patterns, of which the one that stays is the stronger.
 bool is_held_by_static_pattern(const Shift& shift) {
@@ -64,9 +66,9 @@ ShiftStatus judge_search(const Shift& shift, const GateConfig& gate) {
 
 ShiftStatus judge_rows(const RowAgreement& rows, const ShiftCovariance& cov) {
   const double sigma_px = std::sqrt(std::max(cov.xx_px2, cov.yy_px2));
-  const bool moved = rows.moved_sigmas > kRowSigmas &&
+  const bool moved = rows.moved_sigmas > kMovedSigmas &&
                      rows.moved_px > std::max(kLeastMove_px, kLeastMoveSigmas * sigma_px);
-  const bool changed = rows.changed_sigmas > kRowSigmas && rows.changed > kLeastChange;
+  const bool changed = rows.changed_sigmas > kChangedSigmas && rows.changed > kLeastChange;
   return moved || changed ? ShiftStatus::inconsistent : ShiftStatus::ok;
 }
 

@@ -25,9 +25,8 @@ ShiftStatus judge_shift(const Shift& shift, const GateConfig& gate);
 /// the sensor outweighs the ground.
 ShiftStatus judge_search(const Shift& shift, const GateConfig& gate);
 
-/// ok, or inconsistent: whole rows differ from the rest by more than chance (one frame in 300,000
-/// where the ground boils, none where rows agree at a glance) and by enough to matter for a shift
-/// with this covariance.
+/// ok, or inconsistent: whole rows differ from the rest by more than chance and by enough to matter
+/// for a shift with this covariance.
 ShiftStatus judge_rows(const RowAgreement& rows, const ShiftCovariance& cov);
 
 /// `shift` with `status`; the numbers become NaN and the quality stays unless it is ok.

@@ -112,7 +112,7 @@ TrackedShift ShiftMeter::follow(const TrackFrame& earlier, const TrackReference&
 
 void ShiftMeter::judge(TrackedShift& tracked) const {
   ShiftStatus status = judge_shift(tracked.shift, gate_);
-  if (status == ShiftStatus::ok && checks_rows_)
+  if (status == ShiftStatus::ok && checks_rows_ && gate_.refuse_inconsistent)
     status = judge_rows(tracked.rows, tracked.shift.cov);
   tracked.shift = with_status(tracked.shift, status);
 }
