@@ -65,9 +65,10 @@ double innovation_chi2(const LsvStack& stack, Eigen::Vector3d motion, Eigen::Mat
     const Eigen::Vector3d ph = covariance * row.h;
     const double s = std::max(row.h.dot(ph), 0.0) + row.variance;
     const double innovation = row.z - row.h.dot(motion);
+    const Eigen::Vector3d gain = 1.0 / s * ph;
     chi2 += innovation * innovation / s;
-    motion += innovation / s * ph;
-    covariance -= ph * (ph / s).transpose();
+    motion += innovation * gain;
+    covariance -= gain * ph.transpose();
   }
   return chi2;
 }
