@@ -63,7 +63,7 @@ double innovation_chi2(const LsvStack& stack, Eigen::Vector3d motion, Eigen::Mat
   for (std::size_t k = 0; k < static_cast<std::size_t>(stack.rows); ++k) {
     const LsvRow& row = stack.row[k];
     const Eigen::Vector3d ph = covariance * row.h;
-    const double s = std::max(row.h.dot(ph), 0.0) + row.variance;
+    const double s = std::max(row.h.dot(ph), 0.0) + row.variance;  // it may be rounded below zero
     const double innovation = row.z - row.h.dot(motion);
     const Eigen::Vector3d gain = 1.0 / s * ph;
     chi2 += innovation * innovation / s;
