@@ -120,7 +120,7 @@ TEST(Track, CsvHasExactlyTheHeaderThatScriptsReadByName) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   EXPECT_NE(result.out.find("\nframe,time_s,dt_s,dx_px,dy_px,sigma_dx_px,sigma_dy_px,zncc,q,status,"
-                            "vx_m_s,vy_m_s,x_m,y_m\n"),
+                            "vx_m_s,vy_m_s,x_m,y_m,sigma_vx_m_s,sigma_vy_m_s,motion\n"),
             std::string::npos);
 }
 
@@ -149,11 +149,11 @@ TEST(Track, ReplaysTheGoldenRunOfTheSampleFrames) {
   ASSERT_EQ(now.rows(), golden.rows());
   // Another FFT, compiler or instruction set rounds differently in the seventh digit of the plane.
   const std::pair<const char*, double> tolerances[] = {
-      {"dx_px", 2e-5}, {"dy_px", 2e-5}, {"sigma_dx_px", 2e-5}, {"sigma_dy_px", 2e-5},
-      {"zncc", 1e-5},  {"q", 1e-2},     {"vx_m_s", 2e-7},      {"vy_m_s", 2e-7},
-      {"x_m", 2e-9},   {"y_m", 2e-9}};
+      {"dx_px", 2e-5}, {"dy_px", 2e-5}, {"sigma_dx_px", 2e-5},  {"sigma_dy_px", 2e-5},
+      {"zncc", 1e-5},  {"q", 1e-2},     {"vx_m_s", 2e-7},       {"vy_m_s", 2e-7},
+      {"x_m", 2e-9},   {"y_m", 2e-9},   {"sigma_vx_m_s", 2e-7}, {"sigma_vy_m_s", 2e-7}};
   for (std::size_t i = 0; i < now.rows(); ++i) {
-    for (const char* exact : {"frame", "time_s", "dt_s", "status"})
+    for (const char* exact : {"frame", "time_s", "dt_s", "status", "motion"})
       ASSERT_EQ(now.text(i, exact), golden.text(i, exact)) << "row " << i;
     for (const auto& [column, tolerance] : tolerances)
       ASSERT_NEAR(now.number(i, column), golden.number(i, column), tolerance)
