@@ -250,5 +250,61 @@ TEST_F(Fuse, ReadsATrackOfFrames) {
   EXPECT_EQ(json::parse(read_text(out_ + "/summary.json"))["rows_left_out"], 1);
 }
 
+/// One sensor on the axle, said to be hopeless unless its track knows better.
+constexpr const char* kCoarseRover =
+    "schema = \"lsv.rover/1\"\n[[lsv]]\nx_m = 0.1\ny_m = 0\nnoise_m_s = 1.0\n";
+
+class FuseFrames : public Fuse {
+ protected:
+  /// Simulated frames through `lsv track` into `lsv fuse`, unedited.
+  void drive(const Args& motion) {
+    fs::remove_all(drive_);
+    fs::remove_all(out_);
+    Args simulate = {"simulate", "speckle", "-o", drive_ + "/frames", "--size", "64x64"};
+    simulate.insert(simulate.end(), motion.begin(), motion.end());
+    const ProgramResult made = lsv_run(simulate);
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    const ProgramResult tracked =
+        lsv_run({"track", drive_ + "/frames", "--rate-hz", "1000", "--calibration",
+                 LSV_SOURCE_DIR "/sample_frames/calibration.toml", "--csv", drive_ + "/track.csv"});
+    ASSERT_EQ(tracked.exit_code, 0) << tracked.err;
+    write_text(drive_ + "/rover.toml", kCoarseRover);
+    const ProgramResult run = fuse({"--lsv", drive_ + "/track.csv"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  CsvTable track() const { return CsvTable(read_text(drive_ + "/track.csv")); }
+  CsvTable pose() const { return CsvTable(read_text(out_ + "/pose.csv")); }
+  json summary() const { return json::parse(read_text(out_ + "/summary.json")); }
+};
+
+// The speed wanders far more between two frames than the image is unsure of it, so that what the
+// filter believes is what the last image said.
+TEST_F(FuseFrames, TheNoiseIsThatOfTheImage) {
+  double sigma_m_s[2] = {};
+  for (const int noisy : {0, 1}) {
+    ASSERT_NO_FATAL_FAILURE(drive({"--frames", "20", "--profile", "constant", "--speed-px", "1",
+                                   "--noise-sd", noisy == 1 ? "4" : "0.5"}));
+    const CsvTable track = this->track(), pose = this->pose();
+    ASSERT_EQ(pose.rows(), track.rows());
+    const std::size_t last = track.rows() - 1;
+    sigma_m_s[noisy] = track.number(last, "sigma_vx_m_s");
+    EXPECT_NEAR(pose.number(last, "sigma_vx_m_s"), sigma_m_s[noisy], 0.02 * sigma_m_s[noisy]);
+    EXPECT_NEAR(pose.number(last, "vx_m_s"), track.number(last, "vx_m_s"), sigma_m_s[noisy]);
+    EXPECT_EQ(summary()["counters"]["lsv_accepted"], track.rows());
+  }
+  EXPECT_GT(sigma_m_s[1], 3.0 * sigma_m_s[0]);
+}
+
+TEST_F(FuseFrames, ATrackAtRestIsAStandstill) {
+  ASSERT_NO_FATAL_FAILURE(drive({"--frames", "60", "--profile", "parked"}));
+  const CsvTable track = this->track();
+  int at_rest = 0;
+  for (std::size_t i = 0; i < track.rows(); ++i) at_rest += track.text(i, "motion") == "at_rest";
+  EXPECT_EQ(at_rest, 10);
+  EXPECT_EQ(summary()["counters"]["standstills"], at_rest);
+  // Which one sensor alone cannot tell.
+  EXPECT_LT(pose().number(track.rows() - 1, "sigma_wz_rad_s"), 1.1e-4);
+}
+
 }  // namespace
 }  // namespace lsv
