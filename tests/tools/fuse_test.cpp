@@ -306,5 +306,27 @@ TEST_F(FuseFrames, ATrackAtRestIsAStandstill) {
   EXPECT_LT(pose().number(track.rows() - 1, "sigma_wz_rad_s"), 1.1e-4);
 }
 
+// A rover that turns about the place of one sensor.
+TEST_F(FuseFrames, OneSensorAtRestIsNoStandstillWhileAnotherMoves) {
+  fs::create_directories(drive_);
+  write_text(drive_ + "/rover.toml",
+             std::string(kCoarseRover) + "[[lsv]]\nx_m = -0.1\ny_m = 0\nnoise_m_s = 0.001\n");
+  const auto standstills = [&](const std::string& others_motion) {
+    fs::remove_all(out_);
+    std::string pivot = "time_s,vx_m_s,vy_m_s,sigma_vx_m_s,sigma_vy_m_s,motion\n", other = pivot;
+    for (const char* const time_s : {"0.1", "0.2", "0.3"}) {
+      pivot += time_s + std::string(",0,0,0.001,0.001,at_rest\n");
+      other += time_s + std::string(",0,0.02,0.001,0.001,") + others_motion + "\n";
+    }
+    write_text(drive_ + "/1.csv", pivot);
+    write_text(drive_ + "/2.csv", other);
+    EXPECT_EQ(fuse({"--lsv", drive_ + "/1.csv", "--lsv", drive_ + "/2.csv"}).exit_code, 0);
+    return summary()["counters"]["standstills"].get<int>();
+  };
+  EXPECT_EQ(standstills("moving"), 0);
+  EXPECT_EQ(standstills("at_rest"), 3);
+  EXPECT_EQ(standstills(""), 3);
+}
+
 }  // namespace
 }  // namespace lsv
