@@ -122,6 +122,8 @@ TEST_F(Fuse, EveryScenarioOfTheProgramRuns) {
     const ProgramResult run = simulate(name);
     EXPECT_EQ(run.exit_code, 0) << name << ": " << run.err;
     EXPECT_TRUE(fs::exists(drive_ + "/rover.html")) << name;
+    EXPECT_EQ(read_text(drive_ + "/rover.toml").find("wz_walk_rad_s = 0.3") != std::string::npos,
+              name == "square_sand");
     // And is one that can be given as a file.
     EXPECT_EQ(lsv_run({"simulate", "rover", drive_ + "/scenario.toml", "-o", folder_ + "/" + name})
                   .exit_code,
@@ -148,6 +150,9 @@ TEST_F(Fuse, RefusesScenariosThatAreNone) {
       {good + command + "[[patch]]\nleft = 1\nsoil = \"A\"\n", "unknown key patch.left"},
       {good + command + "[[lsv]]\nx_m = 1\ny_m = nan\nnoise_m_s = 1\n", "lsv.y_m must be a finite"},
       {good + "[[command]]\nduration_s = 1\n", "command.left_rad_s is missing"},
+      {good + command + "[motion]\nvx_walk_m_s = 1\n", "motion.wz_walk_rad_s is missing"},
+      {good + command + "[motion]\nvx_walk_m_s = 0\nwz_walk_rad_s = 1\n", "motion.vx_walk_m_s"},
+      {good + "[random]\n[motion]\nvx_walk_m_s = 1\nwz_walk_rad_s = 1\n", "[random] says"},
       {good + "command = 3\n", "unknown key wheels.command"},
       {good + command + "steps = = 3", "not valid TOML"}};
   for (const auto& [text, sentence] : wrong) {
