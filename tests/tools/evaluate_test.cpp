@@ -25,7 +25,7 @@ using test::read_text;
 using Args = std::vector<std::string>;
 
 ProgramResult evaluate(const Args& args) {
-  Args all = {LSV_PROGRAM, "evaluate"};
+  Args all = {ROVER_PROGRAM, "evaluate"};
   all.insert(all.end(), args.begin(), args.end());
   return test::run_program(all);
 }

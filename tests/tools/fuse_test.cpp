@@ -25,6 +25,11 @@ using test::read_text;
 
 using Args = std::vector<std::string>;
 
+ProgramResult rover_run(Args args) {
+  args.insert(args.begin(), ROVER_PROGRAM);
+  return test::run_program(args);
+}
+
 ProgramResult lsv_run(Args args) {
   args.insert(args.begin(), LSV_PROGRAM);
   return test::run_program(args);
@@ -32,15 +37,27 @@ ProgramResult lsv_run(Args args) {
 
 void write_text(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 
+// Most tests here and in evaluate_test.cpp start a part of it, which is there faster.
+TEST(RoverProgram, IsPartOfTheWhole) {
+  const auto options = [](const std::string& help) { return help.substr(help.find("Options:")); };
+  for (const Args& command : {Args{"simulate", "rover"}, {"fuse"}, {"evaluate"}}) {
+    Args args = command;
+    args.push_back("--help");
+    const ProgramResult whole = lsv_run(args);
+    EXPECT_EQ(whole.exit_code, 0);
+    EXPECT_EQ(options(whole.out), options(rover_run(args).out));
+  }
+}
+
 class Fuse : public testing::Test {
  protected:
   ProgramResult simulate(const std::string& scenario, const std::string& seed = "1") const {
-    return lsv_run({"simulate", "rover", scenario, "--seed", seed, "-o", drive_});
+    return rover_run({"simulate", "rover", scenario, "--seed", seed, "-o", drive_});
   }
   ProgramResult fuse(const Args& inputs, const std::string& rover = "rover.toml") const {
     Args args = {"fuse", "--rover", drive_ + "/" + rover, "-o", out_};
     args.insert(args.end(), inputs.begin(), inputs.end());
-    return lsv_run(args);
+    return rover_run(args);
   }
   Args lsv(int sensor) const {
     return {"--lsv", drive_ + "/lsv_" + std::to_string(sensor) + ".csv"};
@@ -112,7 +129,7 @@ TEST_F(Fuse, TheSameSeedGivesTheSameBytes) {
 }
 
 TEST_F(Fuse, EveryScenarioOfTheProgramRuns) {
-  const ProgramResult list = lsv_run({"simulate", "rover", "--list"});
+  const ProgramResult list = rover_run({"simulate", "rover", "--list"});
   ASSERT_EQ(list.exit_code, 0);
   std::istringstream lines(list.out);
   int scenarios = 0;
@@ -125,17 +142,18 @@ TEST_F(Fuse, EveryScenarioOfTheProgramRuns) {
     EXPECT_EQ(read_text(drive_ + "/rover.toml").find("wz_walk_rad_s = 0.3") != std::string::npos,
               name == "square_sand");
     // And is one that can be given as a file.
-    EXPECT_EQ(lsv_run({"simulate", "rover", drive_ + "/scenario.toml", "-o", folder_ + "/" + name})
-                  .exit_code,
-              0);
+    EXPECT_EQ(
+        rover_run({"simulate", "rover", drive_ + "/scenario.toml", "-o", folder_ + "/" + name})
+            .exit_code,
+        0);
   }
   EXPECT_EQ(scenarios, 10);
 }
 
 TEST_F(Fuse, RefusesScenariosThatAreNone) {
   EXPECT_EQ(simulate("sand").exit_code, 2);
-  EXPECT_EQ(lsv_run({"simulate", "rover", "-o", drive_}).exit_code, 2);
-  EXPECT_EQ(lsv_run({"simulate", "rover", "hard_ground"}).exit_code, 2);
+  EXPECT_EQ(rover_run({"simulate", "rover", "-o", drive_}).exit_code, 2);
+  EXPECT_EQ(rover_run({"simulate", "rover", "hard_ground"}).exit_code, 2);
   const std::string good =
       "schema = \"lsv.scenario/1\"\n[drive]\nstep_s = 0.1\nsteps = 10\n[wheels]\nradius_m = "
       "0.1\ntrack_m = 0.8\n";
@@ -231,11 +249,11 @@ TEST_F(Fuse, RefusesWhatDoesNotGoTogether) {
   EXPECT_EQ(fuse(all({lsv(1), lsv(2), lsv(1)})).exit_code, 2);
   EXPECT_EQ(fuse(all({wheels(), {"--imu", drive_ + "/wheels.csv"}})).exit_code, 2);
   EXPECT_EQ(fuse({"--wheels", drive_ + "/nothing.csv"}).exit_code, 3);
-  EXPECT_EQ(lsv_run({"fuse", "--wheels", drive_ + "/wheels.csv", "-o", out_}).exit_code, 2);
+  EXPECT_EQ(rover_run({"fuse", "--wheels", drive_ + "/wheels.csv", "-o", out_}).exit_code, 2);
   // Outputs that would be inputs.
   fs::copy(drive_ + "/wheels.csv", drive_ + "/pose.csv");
-  EXPECT_EQ(lsv_run({"fuse", "--wheels", drive_ + "/pose.csv", "--rover", drive_ + "/rover.toml",
-                     "-o", drive_})
+  EXPECT_EQ(rover_run({"fuse", "--wheels", drive_ + "/pose.csv", "--rover", drive_ + "/rover.toml",
+                       "-o", drive_})
                 .exit_code,
             2);
 }
@@ -274,7 +292,8 @@ class FuseFrames : public Fuse {
                  LSV_SOURCE_DIR "/sample_frames/calibration.toml", "--csv", drive_ + "/track.csv"});
     ASSERT_EQ(tracked.exit_code, 0) << tracked.err;
     write_text(drive_ + "/rover.toml", kCoarseRover);
-    const ProgramResult run = fuse({"--lsv", drive_ + "/track.csv"});
+    const ProgramResult run = lsv_run(
+        {"fuse", "--rover", drive_ + "/rover.toml", "--lsv", drive_ + "/track.csv", "-o", out_});
     ASSERT_EQ(run.exit_code, 0) << run.err;
   }
   CsvTable track() const { return CsvTable(read_text(drive_ + "/track.csv")); }
