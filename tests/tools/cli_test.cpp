@@ -5,7 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -18,10 +17,13 @@
 
 #include "tests/support/csv_table.h"
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
 
+using test::expect_one_line_error;
+using test::lsv_run;
 using test::ProgramResult;
 using test::read_text;
 
@@ -29,26 +31,10 @@ const std::string kSamples = LSV_SOURCE_DIR "/sample_frames";
 const std::string kStack = kSamples + "/drive.tif";
 const std::string kCalibration = kSamples + "/calibration.toml";
 
-ProgramResult lsv_run(std::vector<std::string> args, const std::string& input = "",
-                      const std::vector<std::string>& environment = {}) {
-  args.insert(args.begin(), LSV_PROGRAM);
-  return test::run_program(args, input, environment);
-}
-
 ProgramResult track(std::vector<std::string> args, const std::string& input = "") {
   args.insert(args.begin(), "track");
   args.insert(args.end(), {"--rate-hz", "1000", "--calibration", kCalibration});
   return lsv_run(args, input);
-}
-
-long lines_in(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
-
-void expect_one_line_error(const ProgramResult& result, int exit_code, const std::string& says) {
-  EXPECT_EQ(result.exit_code, exit_code) << result.err;
-  EXPECT_EQ(lines_in(result.err), 1) << result.err;
-  EXPECT_EQ(result.err.rfind("lsv: ", 0), 0U) << result.err;
-  EXPECT_NE(result.err.find(says), std::string::npos) << result.err;
-  EXPECT_EQ(result.out, "");
 }
 
 TEST(Program, EveryCommandHasHelpWithAnExample) {

@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "tests/support/csv_table.h"
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
@@ -19,30 +19,22 @@ namespace {
 namespace fs = std::filesystem;
 
 using nlohmann::json;
+using test::Args;
 using test::CsvTable;
+using test::expect_one_line_error;
+using test::lsv_run;
 using test::ProgramResult;
 using test::read_text;
+using test::with;
+using test::write_text;
 
-using Args = std::vector<std::string>;
-
-ProgramResult rover_run(Args args) {
-  args.insert(args.begin(), ROVER_PROGRAM);
-  return test::run_program(args);
-}
-
-ProgramResult lsv_run(Args args) {
-  args.insert(args.begin(), LSV_PROGRAM);
-  return test::run_program(args);
-}
-
-void write_text(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
+ProgramResult rover_run(const Args& args) { return test::run_program(with({ROVER_PROGRAM}, args)); }
 
 // Most tests here and in evaluate_test.cpp start a part of it, which is there faster.
 TEST(RoverProgram, IsPartOfTheWhole) {
   const auto options = [](const std::string& help) { return help.substr(help.find("Options:")); };
   for (const Args& command : {Args{"simulate", "rover"}, {"fuse"}, {"evaluate"}}) {
-    Args args = command;
-    args.push_back("--help");
+    const Args args = with(command, {"--help"});
     const ProgramResult whole = lsv_run(args);
     EXPECT_EQ(whole.exit_code, 0);
     EXPECT_EQ(options(whole.out), options(rover_run(args).out));
@@ -55,9 +47,7 @@ class Fuse : public testing::Test {
     return rover_run({"simulate", "rover", scenario, "--seed", seed, "-o", drive_});
   }
   ProgramResult fuse(const Args& inputs, const std::string& rover = "rover.toml") const {
-    Args args = {"fuse", "--rover", drive_ + "/" + rover, "-o", out_};
-    args.insert(args.end(), inputs.begin(), inputs.end());
-    return rover_run(args);
+    return rover_run(with({"fuse", "--rover", drive_ + "/" + rover, "-o", out_}, inputs));
   }
   Args lsv(int sensor) const {
     return {"--lsv", drive_ + "/lsv_" + std::to_string(sensor) + ".csv"};
@@ -65,7 +55,7 @@ class Fuse : public testing::Test {
   Args wheels() const { return {"--wheels", drive_ + "/wheels.csv"}; }
   static Args all(const std::vector<Args>& parts) {
     Args out;
-    for (const Args& part : parts) out.insert(out.end(), part.begin(), part.end());
+    for (const Args& part : parts) out = with(out, part);
     return out;
   }
   /// Of the last poses.
@@ -176,10 +166,8 @@ TEST_F(Fuse, RefusesScenariosThatAreNone) {
   for (const auto& [text, sentence] : wrong) {
     const std::string path = folder_ + "/scenario.toml";
     write_text(path, text);
-    const ProgramResult run = simulate(path);
-    EXPECT_EQ(run.exit_code, 3) << text;
-    EXPECT_NE(run.err.find(sentence), std::string::npos) << run.err;
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    SCOPED_TRACE(text);
+    expect_one_line_error(simulate(path), 3, sentence);
     EXPECT_FALSE(fs::exists(drive_));
   }
 }
@@ -212,10 +200,9 @@ TEST_F(Fuse, RefusesRoversThatAreNone) {
   for (const auto& [text, sentence] : wrong) {
     write_text(drive_ + "/wrong.toml", text);
     const ProgramResult run = fuse(all({lsv(1), lsv(2), wheels()}), "wrong.toml");
-    EXPECT_EQ(run.exit_code, 3) << text;
+    SCOPED_TRACE(text);
+    expect_one_line_error(run, 3, sentence);
     EXPECT_NE(run.err.find("wrong.toml"), std::string::npos) << run.err;
-    EXPECT_NE(run.err.find(sentence), std::string::npos) << run.err;
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     EXPECT_FALSE(fs::exists(out_));
   }
 }
@@ -235,10 +222,8 @@ TEST_F(Fuse, RefusesTablesThatAreNone) {
       {"time_s,vx_m_s,vy_m_s\n0,,\n", "no sample"}};
   for (const auto& [text, sentence] : wrong) {
     write_text(drive_ + "/wrong.csv", text);
-    const ProgramResult run = fuse({"--lsv", drive_ + "/wrong.csv"});
-    EXPECT_EQ(run.exit_code, 3) << text;
-    EXPECT_NE(run.err.find(sentence), std::string::npos) << text << run.err;
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    SCOPED_TRACE(text);
+    expect_one_line_error(fuse({"--lsv", drive_ + "/wrong.csv"}), 3, sentence);
     EXPECT_FALSE(fs::exists(out_));
   }
 }
@@ -283,9 +268,8 @@ class FuseFrames : public Fuse {
   void drive(const Args& motion) {
     fs::remove_all(drive_);
     fs::remove_all(out_);
-    Args simulate = {"simulate", "speckle", "-o", drive_ + "/frames", "--size", "64x64"};
-    simulate.insert(simulate.end(), motion.begin(), motion.end());
-    const ProgramResult made = lsv_run(simulate);
+    const ProgramResult made =
+        lsv_run(with({"simulate", "speckle", "-o", drive_ + "/frames", "--size", "64x64"}, motion));
     ASSERT_EQ(made.exit_code, 0) << made.err;
     const ProgramResult tracked =
         lsv_run({"track", drive_ + "/frames", "--rate-hz", "1000", "--calibration",
