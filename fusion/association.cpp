@@ -14,6 +14,10 @@ namespace {
 constexpr double kLargestMaxDt_s = 1e6;
 constexpr double kLargestOffset_s = 4e9;
 constexpr double kNs = 1e9;
+/// Stamps of two clocks, each rounded to ns, are equally near within less than this.
+constexpr std::int64_t kTie_ns = 1000;
+/// Of the poses of the shorter side that could have a partner.
+constexpr double kLeastPairShare = 0.1;
 
 using Poses = std::vector<TrajectoryPose>;
 
@@ -47,14 +51,27 @@ Result<void> check(const Poses& poses, bool has_time, const char* name) {
   return {};
 }
 
-/// Index of the pose nearest to `stamp`, of two the earlier.
-std::size_t nearest(const Poses& poses, Stamp stamp) {
+/// Index of the pose nearest to `stamp`. Of two that are nearer to each other than `kTie_ns` the
+/// earlier counts, or the later: an estimate takes the earlier truth and a truth the later
+/// estimate, so that stamps half a period apart are pairs and not chains.
+enum class Tie { earlier, later };
+std::size_t nearest(const Poses& poses, Stamp stamp, Tie tie) {
   const auto after = std::ranges::lower_bound(poses, stamp, {}, &TrajectoryPose::stamp);
   if (after == poses.begin()) return 0;
   const auto before = after - 1;
-  const bool is_after =
-      after != poses.end() && after->stamp.ns - stamp.ns < stamp.ns - before->stamp.ns;
+  if (after == poses.end()) return static_cast<std::size_t>(before - poses.begin());
+  const std::int64_t nearer_ns = (stamp.ns - before->stamp.ns) - (after->stamp.ns - stamp.ns);
+  const bool is_after = tie == Tie::earlier ? nearer_ns > kTie_ns : nearer_ns >= -kTie_ns;
   return static_cast<std::size_t>((is_after ? after : before) - poses.begin());
+}
+
+/// Poses that lie within the time of the others, `room_ns` around it.
+std::size_t count_within(const Poses& poses, const Poses& others, std::int64_t room_ns) {
+  const std::int64_t from_ns = others.front().stamp.ns - room_ns;
+  const std::int64_t to_ns = others.back().stamp.ns + room_ns;
+  return static_cast<std::size_t>(std::ranges::count_if(poses, [&](const TrajectoryPose& pose) {
+    return pose.stamp.ns >= from_ns && pose.stamp.ns <= to_ns;
+  }));
 }
 
 Poses moved_in_time(const Poses& poses, std::int64_t offset_ns) {
@@ -103,10 +120,10 @@ Result<PosePairs> by_time(const Trajectory& estimate, const Trajectory& truth,
   std::int64_t least_ns = kFarthestStamp_ns;
   double sum_s = 0.0;
   for (std::size_t i = 0; i < moved.size(); ++i) {
-    const std::size_t j = nearest(truth.poses, moved[i].stamp);
+    const std::size_t j = nearest(truth.poses, moved[i].stamp, Tie::earlier);
     const std::int64_t dt_ns = std::abs(moved[i].stamp.ns - truth.poses[j].stamp.ns);
     least_ns = std::min(least_ns, dt_ns);
-    if (dt_ns > max_dt_ns || nearest(moved, truth.poses[j].stamp) != i) continue;
+    if (dt_ns > max_dt_ns || nearest(moved, truth.poses[j].stamp, Tie::later) != i) continue;
     add_pair(estimate, moved[i], i, truth.poses[j], out);
     largest_ns = std::max(largest_ns, dt_ns);
     sum_s += static_cast<double>(dt_ns) / kNs;
@@ -115,6 +132,13 @@ Result<PosePairs> by_time(const Trajectory& estimate, const Trajectory& truth,
     return refused("no stamps are within " + std::to_string(options.max_dt_s) +
                    " s of each other, the nearest differ by " + seconds_text(least_ns) +
                    " s; --max-dt-s allows more");
+  }
+  const std::size_t there = std::min(count_within(moved, truth.poses, max_dt_ns),
+                                     count_within(truth.poses, moved, max_dt_ns));
+  if (static_cast<double>(out.size()) < kLeastPairShare * static_cast<double>(there)) {
+    return refused("only " + std::to_string(out.size()) + " of " + std::to_string(there) +
+                   " poses have a partner within " + std::to_string(options.max_dt_s) +
+                   " s, which tells little of the others; --max-dt-s allows more");
   }
   out.max_dt_s = static_cast<double>(largest_ns) / kNs;
   out.mean_dt_s = sum_s / static_cast<double>(out.size());

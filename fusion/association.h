@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which pose of an estimate belongs to which pose of the truth.
-// By time: two poses belong together when each is the nearest to the other (of two equally near
-// ones the earlier) and their stamps differ by at most `max_dt_s`. So no pose is used twice and
-// both sequences of stamps increase. Nothing is interpolated. By index where a trajectory has no
-// time: both must be of one length. Pure functions.
+// By time: two poses belong together when each is the nearest to the other and their stamps differ
+// by at most `max_dt_s`. Of two that are equally near (to 1 us) an estimate takes the earlier truth
+// and a truth the later estimate, so that stamps half a period apart all find a partner. No pose is
+// used twice and both sequences of stamps increase. Nothing is interpolated. By index where a
+// trajectory has no time: both must be of one length. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -34,8 +35,9 @@ struct PosePairs {
   std::size_t size() const { return estimate.size(); }
 };
 
-/// At least one pair. bad_input when stamps do not increase, time ranges do not overlap, no stamps
-/// are near enough, or lengths without time differ; invalid_argument for options out of range.
+/// At least one pair. bad_input when stamps do not increase, time ranges do not overlap, fewer than
+/// a tenth of the poses that could have a partner have one, or lengths without time differ;
+/// invalid_argument for options out of range.
 Result<PosePairs> associate(const Trajectory& estimate, const Trajectory& truth,
                             const AssociationOptions& options);
 

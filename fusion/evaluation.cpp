@@ -9,6 +9,7 @@ namespace lsv {
 namespace {
 
 constexpr std::size_t kDriftLengths = 8;  // as the KITTI benchmark: 100 to 800 m of about 1 km
+constexpr double kUsualGaps = 10.0;
 
 Result<void> check(const EvaluationOptions& options) {
   const auto is_length = [](double value) { return value > 0.0 && std::isfinite(value); };
@@ -63,6 +64,20 @@ void add_drift(std::vector<double> lengths_m, TrajectoryEvaluation& to) {
   if (count > 0.0) to.drift_percent = 100.0 * sum / count;
 }
 
+double covered_share(const PosePairs& pairs, const Trajectory& truth) {
+  if (!pairs.has_time || !truth.has_time) return kUnknown;
+  std::vector<double> gaps_s;
+  for (std::size_t i = 1; i < pairs.size(); ++i)
+    gaps_s.push_back(seconds_between(pairs.truth[i - 1].stamp, pairs.truth[i].stamp));
+  std::ranges::sort(gaps_s);
+  const double longest_s = kUsualGaps * gaps_s[gaps_s.size() / 2];
+  const Stamp begin = truth.poses.front().stamp, end = truth.poses.back().stamp;
+  double open_s = seconds_between(begin, pairs.truth.front().stamp) +
+                  seconds_between(pairs.truth.back().stamp, end);
+  for (const double gap_s : gaps_s) open_s += gap_s > longest_s ? gap_s : 0.0;
+  return 1.0 - open_s / seconds_between(begin, end);
+}
+
 }  // namespace
 
 Result<TrajectoryEvaluation> evaluate(const Trajectory& estimate, const Trajectory& truth,
@@ -71,6 +86,10 @@ Result<TrajectoryEvaluation> evaluate(const Trajectory& estimate, const Trajecto
   Result<PosePairs> found = associate(estimate, truth, options.association);
   if (!found) return found.error();
   const PosePairs& pairs = found.value();
+  if (pairs.size() < 2) {
+    return Error{ErrorCode::bad_input,
+                 "there is one pair of poses only, which tells of no way; two are the least"};
+  }
 
   TrajectoryEvaluation out;
   for (std::size_t i = 0; i < kAllAlignmentKinds.size(); ++i) {
@@ -94,6 +113,7 @@ Result<TrajectoryEvaluation> evaluate(const Trajectory& estimate, const Trajecto
   out.rpe_m = summary_of(out.pairs, out.way_m, options.rpe_m);
   out.rpe_s = summary_of(out.pairs, out.time_s, options.rpe_s);
   add_drift(options.segments_m, out);
+  out.covered_share = covered_share(pairs, truth);
   out.end_error_m = out.errors.position_m.back();
   return out;
 }

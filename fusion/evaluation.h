@@ -44,11 +44,15 @@ struct TrajectoryEvaluation {
   std::vector<SegmentSummary> drift;  // those with a segment, by rising length
   double drift_percent = kUnknown;    // 100 mean(translation error / length) over all of `drift`
   double end_error_m = kUnknown;      // position of the last pair
+  /// Of the time of the truth, what the pairs cover: less what is before the first and after the
+  /// last of them and gaps between two that are over ten times the usual one. NaN without time.
+  double covered_share = kUnknown;
   NeesSummary position_nees;          // count 0 without covariance
   NeesSummary pose_nees;
 };
 
-/// bad_input for trajectories that cannot be associated, invalid_argument for options out of range.
+/// bad_input for trajectories that cannot be associated or have one pair only, which tells of no
+/// way; invalid_argument for options out of range.
 Result<TrajectoryEvaluation> evaluate(const Trajectory& estimate, const Trajectory& truth,
                                       const EvaluationOptions& options);
 

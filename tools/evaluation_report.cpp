@@ -16,6 +16,7 @@ using nlohmann::ordered_json;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kMs = 1e3;
 constexpr double kPercent = 100.0;
+constexpr double kWellCovered = 0.95;  // of the time of the truth
 
 ordered_json known(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
@@ -93,8 +94,11 @@ std::string file_line(const char* name, const EvaluatedFile& input) {
 
 std::string nees_line(const char* name, const NeesSummary& nees) {
   if (nees.count == 0) return {};
-  return formatted("%s %.3f (right: %d), %.1f %% of %zu within the 95 %% ellipse", name, nees.mean,
-                   nees.dof, kPercent * nees.share_inside_95, nees.count);
+  std::string out = formatted("%s %.3f (right: %d), %.1f %% of %zu within the 95 %% ellipse", name,
+                              nees.mean, nees.dof, kPercent * nees.share_inside_95, nees.count);
+  if (nees.left_out > 0)
+    out += formatted("; %zu without a covariance that is one left out", nees.left_out);
+  return out;
 }
 
 void add_statistics(ordered_json& to, const std::string& name, const std::string& unit,
@@ -156,6 +160,12 @@ std::vector<std::string> evaluation_warnings(const EvaluationReport& report) {
     out.push_back(formatted("only %zu of %zu poses have a partner within %g s", result.pairs.size(),
                             poses, report.options.association.max_dt_s));
   }
+  if (result.covered_share < kWellCovered) {
+    out.push_back(
+        formatted("%.1f %% of the time of the truth is not covered by the estimate: the "
+                  "figures are about the rest",
+                  kPercent * (1.0 - result.covered_share)));
+  }
   add_alignment_warnings(report, out);
   add_segment_warning(result.rpe_m, "m", result.way_m.back(), out);
   add_segment_warning(result.rpe_s, "s", duration_s(result), out);
@@ -188,6 +198,9 @@ std::string evaluation_text(const EvaluationReport& report) {
              ? formatted("by time, stamps %.3g ms apart on average and at most %.3g ms\n",
                          kMs * result.pairs.mean_dt_s, kMs * result.pairs.max_dt_s)
              : std::string("by order\n");
+  if (std::isfinite(result.covered_share))
+    out +=
+        formatted("covered    %.1f %% of the time of the truth\n", kPercent * result.covered_share);
   out += formatted("distance   %.6g m", result.way_m.back());
   out += result.time_s.empty() ? std::string("\n") : formatted(" in %.6g s\n", duration_s(result));
   out += "alignment  " + alignment_text(report) + "\n";
@@ -233,6 +246,7 @@ std::string evaluation_json(const EvaluationReport& report) {
   out["pairs"] = result.pairs.size();
   out["pair_dt_mean_s"] = known(result.pairs.mean_dt_s);
   out["pair_dt_max_s"] = known(result.pairs.max_dt_s);
+  out["truth_covered_share"] = known(result.covered_share);
   out["planar"] = result.pairs.is_planar;
   out["distance_m"] = result.way_m.back();
   out["duration_s"] = known(duration_s(result));

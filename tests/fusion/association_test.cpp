@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -54,6 +53,44 @@ TEST(Association, NoPoseIsUsedTwice) {
   EXPECT_EQ(matched({1}, {0, 2}, options), (Indices{{0, 0}}));  // equally near: the earlier
 }
 
+// A velocity counts for the middle of its interval: the pose made of it is half a period from the
+// stamps it came with, on both sides. Neither direction of the search may break such ties its own
+// way, nor the rounding of one of both to ns.
+TEST(Association, StampsHalfAPeriodApartAllFindAPartner) {
+  for (const double period_s : {0.001, 1.0 / 30.0, 0.1}) {
+    for (const double half : {-0.5, 0.5}) {
+      for (const double rounding_s : {0.0, 1e-9, -1e-9}) {
+        SCOPED_TRACE(std::to_string(period_s) + " s, " + std::to_string(half));
+        std::vector<double> estimate, truth;
+        for (int i = 1; i <= 200; ++i) {
+          truth.push_back(period_s * i);
+          estimate.push_back(period_s * (i + half) + (i % 3 == 0 ? rounding_s : 0.0));
+        }
+        EXPECT_GE(matched(estimate, truth, {.max_dt_s = period_s}).size(), 199U);
+        EXPECT_GE(matched(truth, estimate, {.max_dt_s = period_s}).size(), 199U);
+      }
+    }
+  }
+}
+
+// A few poses that happen to meet say nothing of the rest.
+TEST(Association, TooFewPairsAreRefused) {
+  std::vector<double> estimate, truth;
+  for (int i = 0; i < 200; ++i) {
+    truth.push_back(i);
+    estimate.push_back(i < 15 ? i : i + 0.4);
+  }
+  const std::string refused = refusal(at_times(estimate), at_times(truth));
+  EXPECT_NE(refused.find("only 15 of 199 poses have a partner within 0.010000 s"),
+            std::string::npos)
+      << refused;
+  EXPECT_EQ(refusal(at_times(estimate), at_times(truth), {.max_dt_s = 0.5}), "");
+  // An estimate that ends early has partners for all of its time.
+  truth.resize(200);
+  estimate.resize(15);
+  EXPECT_EQ(refusal(at_times(estimate), at_times(truth)), "");
+}
+
 // Epoch stamps against a clock that began at zero.
 TEST(Association, TheOffsetIsAddedToTheEstimate) {
   const AssociationOptions options{.max_dt_s = 0.01, .offset_s = 1.7e9 - 5.0};
@@ -79,17 +116,22 @@ TEST(Association, AgreesWithTheSearchOverAllPairs) {
     }
     Indices expected;
     const auto ms = [](double time_s) { return std::lround(1000.0 * time_s); };
-    const auto nearest = [&](const std::vector<double>& in, double time_s) {
-      const auto closer = [&](double a, double b) {
-        return std::abs(ms(a) - ms(time_s)) < std::abs(ms(b) - ms(time_s));
-      };
-      return static_cast<int>(std::min_element(in.begin(), in.end(), closer) - in.begin());
+    // Of two as near, the earlier of the truth and the later of the estimate.
+    const auto nearest = [&](const std::vector<double>& in, double time_s, bool is_later) {
+      int best = 0;
+      for (int i = 1; i < 40; ++i) {
+        const auto far = [&](int k) {
+          return std::abs(ms(in[static_cast<std::size_t>(k)]) - ms(time_s));
+        };
+        if (far(i) < far(best) || (is_later && far(i) == far(best))) best = i;
+      }
+      return best;
     };
     for (int i = 0; i < 40; ++i) {
       const double time_s = times[0][static_cast<std::size_t>(i)];
-      const int j = nearest(times[1], time_s);
+      const int j = nearest(times[1], time_s, false);
       const double other_s = times[1][static_cast<std::size_t>(j)];
-      if (std::abs(ms(other_s) - ms(time_s)) <= 12 && nearest(times[0], other_s) == i)
+      if (std::abs(ms(other_s) - ms(time_s)) <= 12 && nearest(times[0], other_s, true) == i)
         expected.emplace_back(i, j);
     }
     // Half a nanosecond and more of room for stamps that are sums of doubles.

@@ -103,6 +103,7 @@ TEST_F(Evaluate, SaysWhatIsAskedFor) {
   EXPECT_EQ(out.at("nees_position_share_inside_95"), 1.0);
   EXPECT_NEAR(out.at("nees_pose_mean"), 4.0, 1e-6);
   EXPECT_NEAR(out.at("duration_s"), 19.9, 1e-9);
+  EXPECT_EQ(out.at("truth_covered_share"), 1.0);
   EXPECT_EQ(out.at("warnings"), json::array());
 }
 
@@ -225,6 +226,26 @@ TEST_F(Evaluate, StampsThatDoNotFitAreRefused) {
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_NE(result.err.find("201 of the estimate and 200 of the truth"), std::string::npos)
       << result.err;
+}
+
+// A short part of a drive has small errors; one pose has none at all.
+TEST_F(Evaluate, WhatIsNotCoveredIsSaid) {
+  std::string begin = "time_s,x_m,y_m,yaw_rad\n";
+  const std::string names = begin;
+  for (int i = 0; i < 20; ++i) {
+    const Row r = row_at(i);
+    begin += line("%.9f,%.12f,%.12f,%.12f\n", r.time_s, r.x_m, r.y_m, r.yaw_rad);
+  }
+  write_text(path("begin.csv"), begin);
+  const json out = evaluated({path("begin.csv"), path("truth.csv")});
+  EXPECT_NEAR(out.at("truth_covered_share"), 1.9 / 19.9, 1e-9);
+  EXPECT_NE(out.at("warnings").dump().find("90.5 % of the time of the truth is not covered"),
+            std::string::npos)
+      << out.at("warnings");
+  write_text(path("one.csv"), names + "1.0,0.5,0.2,0\n");
+  const ProgramResult one = evaluate({path("one.csv"), path("truth.csv")});
+  EXPECT_EQ(one.exit_code, 3);
+  EXPECT_NE(one.err.find("one pair of poses only"), std::string::npos) << one.err;
 }
 
 TEST_F(Evaluate, RefusesUsageInOneLine) {
