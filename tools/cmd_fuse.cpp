@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "lsv/output/output_file.h"
 #include "tools/commands.h"
 #include "tools/fuse_inputs.h"
 #include "tools/fuse_outputs.h"
@@ -74,6 +73,16 @@ Result<void> prepare_folder(const FuseCommand& command) {
   return {};
 }
 
+/// What `lsv evaluate` may have left beside the poses before.
+void warn_of_stale_files(const std::string& folder) {
+  for (const char* const name : {"evaluation.json", "evaluation.html"}) {
+    std::error_code ignored;
+    const fs::path path = fs::path(folder) / name;
+    if (fs::exists(path, ignored))
+      std::fprintf(stderr, "lsv: warning: %s is of a run before this one\n", path.c_str());
+  }
+}
+
 Result<void> fuse_files(const FuseCommand& command) {
   const Result<RoverFile> rover = read_rover(command.rover);
   if (!rover) return rover.error();
@@ -81,8 +90,6 @@ Result<void> fuse_files(const FuseCommand& command) {
   if (!samples) return samples.error();
   const FusionConfig config = without_silent_sensors(rover.value().config, command.inputs);
   if (Result<void> ready = prepare_folder(command); !ready) return ready;
-  for (const std::string& warning : mounting_warnings(config))
-    std::fprintf(stderr, "lsv: warning: %s\n", warning.c_str());
 
   std::string head = "# lsv: " LSV_VERSION "\n";
   for (const std::string& file : input_files(command)) head += "# input: " + file + "\n";
@@ -98,14 +105,13 @@ Result<void> fuse_files(const FuseCommand& command) {
         return outputs.value().write(row);
       });
   if (!counters) return counters.error();
-  report.finish(counters.value(), samples.value().rows_left_out, outputs.value().events());
-  const auto path = [&](const char* name) { return (fs::path(command.output) / name).string(); };
-  if (Result<void> done = write_file(path("report.html"), report.html()); !done) return done;
-  if (Result<void> done =
-          write_file(path("summary.json"), report.json(input_files(command), rover.value().sha256));
-      !done)
+  report.finish(counters.value(), samples.value(), outputs.value().events());
+  const FuseInputNames names{input_files(command), rover.value().sha256};
+  if (Result<void> done = outputs.value().finish(report.json(names), report.html(names)); !done)
     return done;
-  if (Result<void> done = outputs.value().commit(); !done) return done;
+  for (const std::string& warning : report.warnings())
+    std::fprintf(stderr, "lsv: warning: %s\n", warning.c_str());
+  warn_of_stale_files(command.output);
   std::fputs(report.text().c_str(), stderr);
   return {};
 }

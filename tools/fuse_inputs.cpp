@@ -12,6 +12,7 @@
 
 #include "lsv/ingest/csv_table.h"
 #include "lsv/ingest/timestamps.h"
+#include "lsv/output/number_text.h"
 
 namespace lsv::cli {
 namespace {
@@ -20,6 +21,32 @@ namespace {
 constexpr std::int64_t kFarthestTime_ns = (std::int64_t{1} << 61) - 1;
 constexpr double kFastest_m_s = 1e4;
 constexpr double kFastest_rad_s = 1e5;
+
+struct TimeRange {
+  std::string name;
+  Stamp begin;
+  Stamp end;
+};
+
+std::string text_of(const TimeRange& range) {
+  constexpr double kS = 1e-9;
+  return range.name + formatted(" is from %.10g to %.10g s",
+                                kS * static_cast<double>(range.begin.ns),
+                                kS * static_cast<double>(range.end.ns));
+}
+
+/// Where no file spans two of them, clocks are not one, and the time in between is made up.
+Result<void> are_of_one_clock(std::vector<TimeRange> ranges) {
+  std::ranges::sort(ranges, {}, &TimeRange::begin);
+  for (std::size_t i = 1; i < ranges.size(); ++i) {
+    const TimeRange& before = *std::ranges::max_element(
+        ranges.begin(), ranges.begin() + static_cast<std::ptrdiff_t>(i), {}, &TimeRange::end);
+    if (before.end >= ranges[i].begin) continue;
+    return Error{ErrorCode::bad_input, "the times do not overlap: " + text_of(before) + ", " +
+                                           text_of(ranges[i]) + "; all files must be on one clock"};
+  }
+  return {};
+}
 
 class SampleTable {
  public:
@@ -58,8 +85,14 @@ class SampleTable {
       return at(row, "time_s is \"" + std::string(text) +
                          "\", not a time in seconds within 73 years of zero");
     if (last_ns_ && *ns <= *last_ns_) return at(row, "time_s does not increase");
+    if (!first_ns_) first_ns_ = ns;
     last_ns_ = ns;
     return Stamp{*ns};
+  }
+  /// Of the rows whose time was asked for; nothing without any.
+  std::optional<TimeRange> range() const {
+    if (!first_ns_) return std::nullopt;
+    return TimeRange{table_.name(), {*first_ns_}, {*last_ns_}};
   }
   Error at(std::size_t row, const std::string& sentence) const {
     return {ErrorCode::bad_input,
@@ -78,6 +111,7 @@ class SampleTable {
 
   CsvTable table_;
   std::vector<std::size_t> columns_;
+  std::optional<std::int64_t> first_ns_;
   std::optional<std::int64_t> last_ns_;
 };
 
@@ -122,15 +156,27 @@ class RestWords {
   std::vector<Rest> rests_;
 };
 
-Result<void> add_lsv(const std::string& path, std::size_t sensor, FuseSamples& out,
-                     RestWords& rest) {
+/// `ok` and no word are used; a word that is none is a mistake, not a refusal.
+Result<bool> is_ok(const SampleTable& table, std::size_t row) {
+  const std::string_view status = table.text_if_there(row, "status");
+  if (status.empty() || status == word(ShiftStatus::ok)) return true;
+  for (const ShiftStatus known : kAllShiftStatuses) {
+    if (status == word(known)) return false;
+  }
+  return table.at(row, "status is \"" + std::string(status) +
+                           "\", which is no status of lsv track (docs/conventions.md)");
+}
+
+Result<std::optional<TimeRange>> add_lsv(const std::string& path, std::size_t sensor,
+                                         FuseSamples& out, RestWords& rest) {
   Result<SampleTable> opened = SampleTable::open(path, {"vx_m_s", "vy_m_s"});
   if (!opened) return opened.error();
   SampleTable& table = opened.value();
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const Result<Stamp> time = table.time(row);
     if (!time) return time.error();
-    const std::string_view status = table.text_if_there(row, "status");
+    const Result<bool> ok = is_ok(table, row);
+    if (!ok) return ok.error();
     LsvSample sample{.stamp = time.value()};
     const std::pair<Result<double>, double*> cells[] = {
         {table.number(row, 0, kFastest_m_s), &sample.vx_m_s},
@@ -142,11 +188,7 @@ Result<void> add_lsv(const std::string& path, std::size_t sensor, FuseSamples& o
       if (!value) return value.error();
       *target = value.value();
     }
-    if (!status.empty() && status != "ok") {
-      ++out.rows_left_out;
-      continue;
-    }
-    if (std::isnan(sample.vx_m_s) || std::isnan(sample.vy_m_s)) {
+    if (!ok.value() || std::isnan(sample.vx_m_s) || std::isnan(sample.vy_m_s)) {
       ++out.rows_left_out;
       continue;
     }
@@ -159,10 +201,11 @@ Result<void> add_lsv(const std::string& path, std::size_t sensor, FuseSamples& o
     out.samples.push_back({when, sensor, sample});
     rest.add(sensor, when, table.text_if_there(row, "motion"));
   }
-  return {};
+  out.rows_read += table.rows();
+  return table.range();
 }
 
-Result<void> add_wheels(const std::string& path, FuseSamples& out) {
+Result<std::optional<TimeRange>> add_wheels(const std::string& path, FuseSamples& out) {
   Result<SampleTable> opened = SampleTable::open(path, {"left_rad_s", "right_rad_s"});
   if (!opened) return opened.error();
   SampleTable& table = opened.value();
@@ -180,10 +223,11 @@ Result<void> add_wheels(const std::string& path, FuseSamples& out) {
     out.samples.push_back(
         {time.value(), 0, WheelSample{time.value(), left.value(), right.value()}});
   }
-  return {};
+  out.rows_read += table.rows();
+  return table.range();
 }
 
-Result<void> add_imu(const std::string& path, FuseSamples& out) {
+Result<std::optional<TimeRange>> add_imu(const std::string& path, FuseSamples& out) {
   Result<SampleTable> opened = SampleTable::open(path, {"wz_rad_s"});
   if (!opened) return opened.error();
   SampleTable& table = opened.value();
@@ -198,7 +242,8 @@ Result<void> add_imu(const std::string& path, FuseSamples& out) {
     }
     out.samples.push_back({time.value(), 0, GyroSample{time.value(), rate.value()}});
   }
-  return {};
+  out.rows_read += table.rows();
+  return table.range();
 }
 
 Error usage(std::string sentence) { return {ErrorCode::invalid_argument, std::move(sentence)}; }
@@ -223,16 +268,21 @@ Result<FuseSamples> read_samples(const FuseInputs& inputs, const FusionConfig& c
   if (Result<void> ok = fits(inputs, config); !ok) return ok.error();
   FuseSamples out;
   RestWords rest;
+  std::vector<Result<std::optional<TimeRange>>> added;
   for (std::size_t i = 0; i < inputs.lsv.size(); ++i) {
-    if (Result<void> added = add_lsv(inputs.lsv[i], i, out, rest); !added) return added.error();
+    added.push_back(add_lsv(inputs.lsv[i], i, out, rest));
+    if (!added.back()) return added.back().error();
   }
   std::ranges::copy(rest.standstills(), std::back_inserter(out.samples));
-  if (!inputs.wheels.empty()) {
-    if (Result<void> added = add_wheels(inputs.wheels, out); !added) return added.error();
+  if (!inputs.wheels.empty()) added.push_back(add_wheels(inputs.wheels, out));
+  if (!added.back()) return added.back().error();
+  if (!inputs.imu.empty()) added.push_back(add_imu(inputs.imu, out));
+  if (!added.back()) return added.back().error();
+  std::vector<TimeRange> ranges;
+  for (const auto& range : added) {
+    if (range.value()) ranges.push_back(*range.value());
   }
-  if (!inputs.imu.empty()) {
-    if (Result<void> added = add_imu(inputs.imu, out); !added) return added.error();
-  }
+  if (Result<void> one = are_of_one_clock(std::move(ranges)); !one) return one.error();
   if (out.samples.empty())
     return Error{ErrorCode::bad_input, "the files hold no sample that can be used"};
   std::ranges::stable_sort(out.samples, {}, &FuseSample::when);

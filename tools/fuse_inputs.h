@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The files that `lsv fuse` reads, as samples in the order of their times. Columns are found by
 // name (docs/formats.md); rows without figures, or with a status that is not `ok`, are counted and
-// left out.
+// left out. Times of all files are of one clock: each overlaps with another one.
 #pragma once
 
 #include <cstddef>
@@ -29,6 +29,7 @@ struct FuseSample {
 
 struct FuseSamples {
   std::vector<FuseSample> samples;  // by time; of one time LSV, wheels, IMU
+  std::size_t rows_read = 0;
   std::size_t rows_left_out = 0;
 };
 

@@ -38,7 +38,9 @@ int refused_count(const NavState& state) {
 
 double sigma_of(const NavState& state, std::size_t i) { return std::sqrt(state.cov[i][i]); }
 
-void append_csv(std::string& out, const NavState& s) {
+bool is_turning(const WheelGrip& grip) { return std::isfinite(grip.efficiency_ratio); }
+
+void append_csv(std::string& out, const NavState& s, bool has_wheels) {
   append_seconds(out, s.stamp.ns);
   for (const double value : {s.x_m, s.y_m, s.yaw_rad, s.vx_m_s, s.vy_m_s, s.wz_rad_s}) {
     out += ',';
@@ -51,9 +53,8 @@ void append_csv(std::string& out, const NavState& s) {
   for (const double value :
        {s.left.efficiency_ratio, s.right.efficiency_ratio, s.left.sigma_ratio, s.right.sigma_ratio})
     cell(out, value);
-  const bool has_wheels = std::isfinite(s.left.efficiency_ratio);
-  flag(out, s.left.is_slipping, has_wheels);
-  flag(out, s.right.is_slipping, has_wheels);
+  flag(out, s.left.is_slipping, is_turning(s.left));
+  flag(out, s.right.is_slipping, is_turning(s.right));
   flag(out, s.left.is_slip_known, has_wheels);
   cell(out, s.lsv.nis);
   out += ',';
@@ -82,13 +83,13 @@ void append_grip(std::string& out, std::string_view name, const WheelGrip& grip)
   out += "\":{\"slip_known\":";
   out += grip.is_slip_known ? "true" : "false";
   out += ",\"slips\":";
-  out += grip.is_slipping ? "true" : "false";
+  out += is_turning(grip) ? (grip.is_slipping ? "true" : "false") : "null";
   key(out, "efficiency_ratio", grip.efficiency_ratio);
   key(out, "sigma_ratio", grip.sigma_ratio);
   out += '}';
 }
 
-void append_json(std::string& out, const NavState& s) {
+void append_json(std::string& out, const NavState& s, bool has_wheels) {
   out += "{\"time_ns\":";
   append_integer(out, s.stamp.ns);
   out += ",\"status\":\"";
@@ -110,7 +111,7 @@ void append_json(std::string& out, const NavState& s) {
     out += ']';
   }
   out += ']';
-  if (std::isfinite(s.left.efficiency_ratio)) {
+  if (has_wheels) {
     append_grip(out, "left", s.left);
     append_grip(out, "right", s.right);
   }
@@ -125,33 +126,23 @@ void append_json(std::string& out, const NavState& s) {
 
 }  // namespace
 
-FuseOutputs::FuseOutputs(OutputFile csv, OutputFile tum, OutputFile jsonl, OutputFile events,
-                         const FusionConfig& config)
-    : csv_(std::move(csv)),
-      tum_(std::move(tum)),
-      jsonl_(std::move(jsonl)),
-      events_file_(std::move(events)) {
+FuseOutputs::FuseOutputs(std::vector<OutputFile> files, const FusionConfig& config)
+    : files_(std::move(files)), has_wheels_(config.wheels.has_value()) {
   for (const LsvConfig& sensor : config.lsv) sensor_names_.push_back(sensor.name);
 }
 
 Result<FuseOutputs> FuseOutputs::open(const std::string& folder, const std::string& head,
                                       const FusionConfig& config) {
-  const auto path = [&](const char* name) {
-    return (std::filesystem::path(folder) / name).string();
-  };
-  Result<OutputFile> csv = OutputFile::open(path(kFuseFiles[0]));
-  if (!csv) return csv.error();
-  Result<OutputFile> tum = OutputFile::open(path(kFuseFiles[1]));
-  if (!tum) return tum.error();
-  Result<OutputFile> jsonl = OutputFile::open(path(kFuseFiles[2]));
-  if (!jsonl) return jsonl.error();
-  Result<OutputFile> events = OutputFile::open(path(kFuseFiles[3]));
-  if (!events) return events.error();
-  if (Result<void> done = csv.value().write(head + kCsvColumns); !done) return done.error();
-  if (Result<void> done = events.value().write(head + "time_s,event,detail\n"); !done)
+  std::vector<OutputFile> files;
+  for (const char* const name : kFuseFiles) {
+    Result<OutputFile> file = OutputFile::open((std::filesystem::path(folder) / name).string());
+    if (!file) return file.error();
+    files.push_back(std::move(file).value());
+  }
+  if (Result<void> done = files[csv].write(head + kCsvColumns); !done) return done.error();
+  if (Result<void> done = files[events_csv].write(head + "time_s,event,detail\n"); !done)
     return done.error();
-  return FuseOutputs(std::move(csv).value(), std::move(tum).value(), std::move(jsonl).value(),
-                     std::move(events).value(), config);
+  return FuseOutputs(std::move(files), config);
 }
 
 Result<void> FuseOutputs::event(Stamp stamp, std::string_view what, std::string_view detail) {
@@ -163,7 +154,7 @@ Result<void> FuseOutputs::event(Stamp stamp, std::string_view what, std::string_
   line += ',';
   line += detail;
   line += '\n';
-  return events_file_.write(line);
+  return files_[events_csv].write(line);
 }
 
 Result<void> FuseOutputs::write_events(const NavState& s) {
@@ -189,20 +180,25 @@ Result<void> FuseOutputs::write_events(const NavState& s) {
 
 Result<void> FuseOutputs::write(const FuseRow& row) {
   text_.clear();
-  append_csv(text_, row.state);
-  if (Result<void> done = csv_.write(text_); !done) return done;
+  append_csv(text_, row.state, has_wheels_);
+  if (Result<void> done = files_[csv].write(text_); !done) return done;
   text_.clear();
   append_tum_pose(text_, row.state.stamp, row.state.x_m, row.state.y_m, row.state.yaw_rad);
-  if (Result<void> done = tum_.write(text_); !done) return done;
+  if (Result<void> done = files_[tum].write(text_); !done) return done;
   text_.clear();
-  append_json(text_, row.state);
-  if (Result<void> done = jsonl_.write(text_); !done) return done;
+  append_json(text_, row.state, has_wheels_);
+  if (Result<void> done = files_[jsonl].write(text_); !done) return done;
   return write_events(row.state);
 }
 
-Result<void> FuseOutputs::commit() {
-  for (OutputFile* const file : {&csv_, &tum_, &jsonl_, &events_file_}) {
-    if (Result<void> done = file->commit(); !done) return done;
+Result<void> FuseOutputs::finish(std::string_view summary_json, std::string_view report_html) {
+  if (Result<void> done = files_[summary].write(summary_json); !done) return done;
+  if (Result<void> done = files_[report].write(report_html); !done) return done;
+  for (OutputFile& file : files_) {
+    if (Result<void> done = file.complete(); !done) return done;
+  }
+  for (OutputFile& file : files_) {
+    if (Result<void> done = file.commit(); !done) return done;
   }
   return {};
 }

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `lsv fuse` writes row by row: pose.csv, pose.tum, pose.jsonl and events.csv of a folder.
+// What `lsv fuse` writes into a folder: pose.csv, pose.tum, pose.jsonl and events.csv row by row,
+// report.html and summary.json at the end. All get their names together, when all are complete.
 // Formats: docs/formats.md.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lsv/output/output_file.h"
 #include "tools/fuse_run.h"
 
 namespace lsv::cli {
+
+/// Names of the files in a folder, for the checks before anything is opened.
+inline constexpr std::array kFuseFiles = {"pose.csv",   "pose.tum",     "pose.jsonl",
+                                          "events.csv", "summary.json", "report.html"};
 
 class FuseOutputs {
  public:
@@ -19,30 +26,25 @@ class FuseOutputs {
                                   const FusionConfig& config);
 
   Result<void> write(const FuseRow& row);
-  Result<void> commit();
+  Result<void> finish(std::string_view summary_json, std::string_view report_html);
 
   std::size_t events() const { return events_; }
 
  private:
-  FuseOutputs(OutputFile csv, OutputFile tum, OutputFile jsonl, OutputFile events,
-              const FusionConfig& config);
+  enum File : std::size_t { csv, tum, jsonl, events_csv, summary, report };  // as kFuseFiles
+
+  FuseOutputs(std::vector<OutputFile> files, const FusionConfig& config);
   Result<void> write_events(const NavState& state);
   Result<void> event(Stamp stamp, std::string_view what, std::string_view detail);
 
-  OutputFile csv_;
-  OutputFile tum_;
-  OutputFile jsonl_;
-  OutputFile events_file_;
+  std::vector<OutputFile> files_;
   std::vector<std::string> sensor_names_;
+  bool has_wheels_ = false;
   NavStatus last_status_ = NavStatus::not_started;
   bool left_slipped_ = false;
   bool right_slipped_ = false;
   std::size_t events_ = 0;
   std::string text_;
 };
-
-/// Names of the files in a folder, for the checks before anything is opened.
-inline constexpr std::array kFuseFiles = {"pose.csv",   "pose.tum",     "pose.jsonl",
-                                          "events.csv", "summary.json", "report.html"};
 
 }  // namespace lsv::cli

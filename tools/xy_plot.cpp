@@ -128,15 +128,19 @@ void draw_series(const XySeries& series, const Axes& axes, Svg& svg) {
       }
     } else if (run.size() > 1) {
       svg.polyline(run, series.colour, 1.5);
+    } else if (run.size() == 1) {
+      svg.marker(Marker::circle, run.front(), 1.0, series.colour);
     }
     run.clear();
   };
   for (std::size_t i = 0; i < series.points.size(); ++i) {
-    if (i % step != 0 && i + 1 != series.points.size()) continue;
     const Point& point = series.points[i];
     if (!std::isfinite(point.x) || !std::isfinite(point.y)) {
       end_run();
-    } else if (series.mark == XyMark::dots) {
+      continue;
+    }
+    if (i % step != 0 && i + 1 != series.points.size()) continue;
+    if (series.mark == XyMark::dots) {
       svg.marker(Marker::circle, axes.at(point), 1.6, series.colour);
     } else {
       run.push_back(axes.at(point));
