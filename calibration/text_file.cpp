@@ -21,6 +21,8 @@ Result<std::string> read_whole_file(const std::string& path, const std::string& 
     return Error{ErrorCode::bad_input, path + ": " + why};
   };
   std::error_code status;
+  if (std::filesystem::is_directory(path, status))
+    return refuse("is a folder, not a " + kind + " file");
   if (!std::filesystem::is_regular_file(path, status))
     return refuse("there is no such " + kind + " file");
   const std::uintmax_t size_bytes = std::filesystem::file_size(path, status);

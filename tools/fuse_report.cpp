@@ -154,9 +154,8 @@ void FuseReport::add(const FuseRow& row) {
   }
   for (std::size_t i = 0; i < config.lsv.size(); ++i) {
     if (!row.lsv[i]) continue;
-    const double yaw_rad = config.lsv[i].yaw_rad;
     sensor_speed_[i].add(
-        time_s, forward_m_s(row.lsv[i]->vx_m_s, row.lsv[i]->vy_m_s, config_.lsv[i].yaw_rad));
+        time_s, forward_m_s(row.lsv[i]->vx_m_s, row.lsv[i]->vy_m_s, config.lsv[i].yaw_rad));
   }
   if (s.lsv.dof > 0) lsv_nis_curve_.add(time_s, std::min(kHighestNis, s.lsv.nis / s.lsv.dof));
   if (s.wheels.dof > 0)

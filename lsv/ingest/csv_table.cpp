@@ -23,14 +23,27 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
+/// What some programs put before UTF-8.
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
 std::size_t cells_in(std::string_view line) {
   return static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+}
+
+/// A name that stands for two columns; null without one. Columns without a name may be many.
+const std::string* repeated(const std::vector<std::string>& columns) {
+  for (auto column = columns.begin(); column != columns.end(); ++column) {
+    if (!column->empty() && std::find(columns.begin(), column, *column) != column) return &*column;
+  }
+  return nullptr;
 }
 
 }  // namespace
 
 Result<CsvTable> CsvTable::read(const std::string& path) {
   std::error_code status;
+  if (std::filesystem::is_directory(path, status))
+    return Error{ErrorCode::bad_input, path + ": is a folder, not a file"};
   if (!std::filesystem::is_regular_file(path, status))
     return Error{ErrorCode::bad_input, path + ": there is no such file"};
   const std::uintmax_t size_bytes = std::filesystem::file_size(path, status);
@@ -49,7 +62,8 @@ Result<CsvTable> CsvTable::parse(std::string text, const std::string& name) {
   out.text_ = std::move(text);
   const std::string_view all = out.text_;
   std::size_t line_number = 0;
-  for (std::size_t start = 0; start < all.size();) {
+  for (std::size_t start = all.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
+       start < all.size();) {
     const std::size_t end = std::min(all.find('\n', start), all.size());
     const std::string_view line = trimmed(all.substr(start, end - start));
     ++line_number;
@@ -57,6 +71,10 @@ Result<CsvTable> CsvTable::parse(std::string text, const std::string& name) {
       if (out.columns_.empty()) {
         for (const std::string_view cell : split_at(line, ','))
           out.columns_.emplace_back(trimmed(cell));
+        if (const std::string* const twice = repeated(out.columns_)) {
+          return Error{ErrorCode::bad_input, name + ":" + std::to_string(line_number) +
+                                                 ": the column " + *twice + " is there twice"};
+        }
       } else if (cells_in(line) != out.columns_.size()) {
         return Error{ErrorCode::bad_input, name + ":" + std::to_string(line_number) + ": " +
                                                std::to_string(cells_in(line)) + " cells under " +

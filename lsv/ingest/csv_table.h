@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A table of comma-separated text whose columns are found by name: what lsv writes, and what people
 // write for it. Lines that start with '#' and empty lines are skipped; the first other line names
-// the columns; blanks around a cell do not count. No quotes: a cell holds no comma.
+// the columns, each once; blanks around a cell do not count. UTF-8, with or without a byte order
+// mark. No quotes: a cell holds no comma.
 // Errors: bad_input, naming file, line and column.
 #pragma once
 

@@ -35,7 +35,25 @@ TEST(CsvTable, ErrorsNameFileLineAndColumn) {
   EXPECT_FALSE(table.number(1, 1));
   EXPECT_EQ(table.known_number(1, 0).error().message, "t.csv:3: a is empty");
   EXPECT_FALSE(CsvTable::read("no/such.csv"));
-  EXPECT_FALSE(CsvTable::read("."));
+  EXPECT_EQ(CsvTable::read(".").error().message, ".: is a folder, not a file");
+}
+
+// As spreadsheets write UTF-8; the mark is no part of the first name or of a comment.
+TEST(CsvTable, AByteOrderMarkDoesNotCount) {
+  for (const char* const text :
+       {"\xEF\xBB\xBFtime_s,a\n1,2\n", "\xEF\xBB\xBF# made\ntime_s,a\n1,2\n"}) {
+    const Result<CsvTable> table = CsvTable::parse(text, "t.csv");
+    ASSERT_TRUE(table) << table.error().message;
+    EXPECT_EQ(table.value().number(0, table.value().column("time_s").value()).value(), 1.0);
+    EXPECT_EQ(table.value().bytes(), text);
+  }
+}
+
+// Which of both is meant, nobody knows.
+TEST(CsvTable, AColumnIsThereOnce) {
+  EXPECT_EQ(CsvTable::parse("# x\na, b,c,b\n1,2,3,4\n", "t.csv").error().message,
+            "t.csv:2: the column b is there twice");
+  EXPECT_TRUE(CsvTable::parse("a,,\n1,2,3\n", "t.csv"));
 }
 
 }  // namespace

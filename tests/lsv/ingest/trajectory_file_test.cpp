@@ -34,6 +34,17 @@ TEST(TrajectoryFile, ReadsTum) {
   EXPECT_FALSE(file.trajectory.is_planar);
 }
 
+TEST(TrajectoryFile, AByteOrderMarkDoesNotCount) {
+  EXPECT_EQ(parsed("\xEF\xBB\xBF"
+                   "1 0 0 0 0 0 0 1\n",
+                   TrajectoryFormat::tum)
+                .trajectory.poses.size(),
+            1U);
+  EXPECT_EQ(
+      parsed("\xEF\xBB\xBFtime_s,x_m,y_m\n1,0,0\n", TrajectoryFormat::csv).trajectory.poses.size(),
+      1U);
+}
+
 // Rows of the matrix are rows: transposed, the turn goes to the other side.
 TEST(TrajectoryFile, ReadsKitti) {
   const TrajectoryFile file =
