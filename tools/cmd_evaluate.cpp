@@ -172,6 +172,8 @@ Result<void> write_outputs(const EvaluateCommand& command, const EvaluationRepor
 }
 
 int run(const CLI::App& app, const EvaluateCommand& command) {
+  if (Result<void> named = refuse_empty_names(app, {"--output", "--json"}); !named)
+    return report_error(named.error());
   if (Result<void> fine = check_outputs(command); !fine) return report_error(fine.error());
   const Result<EvaluationReport> report = report_of(app, command);
   if (!report) return report_error(report.error());

@@ -130,8 +130,9 @@ void add_fuse_command(CLI::App& app, int& exit_code) {
   sub->add_option("--rover", c.rover, "Geometry, mounts and noises, TOML")->required();
   sub->add_option("-o,--output", c.output, "Folder for what is written")->required();
   sub->footer(kFooter);
-  sub->callback([command, &exit_code] {
-    const Result<void> done = fuse_files(*command);
+  sub->callback([sub, command, &exit_code] {
+    Result<void> done = refuse_empty_names(*sub, {"--output", "--wheels", "--imu"});
+    if (done) done = fuse_files(*command);
     exit_code = done ? kExitOk : report_error(done.error());
   });
 }

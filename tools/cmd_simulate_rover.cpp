@@ -240,7 +240,13 @@ Result<void> simulate(const SimulateRover& command) {
   for (const auto& [name, text] : files) {
     if (Result<void> done = write(name, text); !done) return done;
   }
-  return folder.value().commit();
+  if (Result<void> done = folder.value().commit(); !done) return done;
+  std::fprintf(stderr,
+               "%s: %zu poses in %.6g s, %zu LSV sensors, wheels%s; rover.html shows them\n",
+               command.output.c_str(), readings.truth.size(),
+               static_cast<double>(readings.truth.back().time_ns) * 1e-9, scenario.lsv.size(),
+               scenario.imu ? " and a gyro" : "");
+  return {};
 }
 
 }  // namespace
@@ -252,7 +258,9 @@ void add_simulate_rover(CLI::App& simulate_app, int& exit_code) {
   SimulateRover& c = *command;
   sub->add_option("SCENARIO", c.scenario, "Name of a scenario, or a TOML file");
   sub->add_option("-o,--output", c.output, "Folder to write");
-  sub->add_option("--seed", c.seed, "Seed of all noise")->capture_default_str();
+  sub->add_option("--seed", c.seed, "Seed of all noise, 0 or more")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   sub->add_flag("--list", c.list, "Name the scenarios and end");
   sub->footer(kFooter);
   sub->callback([command, &exit_code] {

@@ -22,9 +22,10 @@ constexpr int kMapHeight_px = 560;
 constexpr int kPlotWidth_px = 900;
 constexpr int kPlotHeight_px = 300;
 
-constexpr std::string_view kTruthColour = "#27a06d";
-constexpr std::string_view kEstimateColour = "#2f80ed";
-constexpr std::string_view kRawColour = "#d9542b";
+// Far apart in hue and in brightness, on white and on black.
+constexpr std::string_view kTruthColour = "#2f80ed";
+constexpr std::string_view kEstimateColour = "#d9542b";
+constexpr std::string_view kRawColour = "#b8860b";
 
 std::vector<Point> places(const std::vector<TrajectoryPose>& poses) {
   std::vector<Point> out;
@@ -85,7 +86,9 @@ std::string row(const std::string& name, const ErrorStatistics& errors, double u
 
 std::string table(const TrajectoryEvaluation& result) {
   std::string out =
-      "<table><tr><th></th><th>rmse</th><th>mean</th><th>median</th><th>max</th><th>sd</th></tr>\n";
+      "<div "
+      "class=\"scroll\"><table><tr><th></th><th>rmse</th><th>mean</th><th>median</th><th>max</"
+      "th><th>sd</th></tr>\n";
   out += row("ATE, mm", result.position_m, kMm, 3);
   out += row("rotation, deg", result.rotation_rad, kDegrees, 4);
   out += row("heading, deg", result.heading_rad, kDegrees, 4);
@@ -95,7 +98,7 @@ std::string table(const TrajectoryEvaluation& result) {
   out +=
       row(formatted("RPE over %g s, mm", result.rpe_s.length), result.rpe_s.translation_m, kMm, 3);
   out += row("its rotation, deg", result.rpe_s.rotation_rad, kDegrees, 4);
-  return out + "</table>\n";
+  return out + "</table></div>\n";
 }
 
 std::string alignments(const TrajectoryEvaluation& result) {
@@ -140,6 +143,19 @@ std::string drift_plot(const TrajectoryEvaluation& result) {
   return curve("RPE over the length of the segment", "length, m", "rmse, mm", std::move(points));
 }
 
+std::string settings(const EvaluationReport& report) {
+  const EvaluationOptions& options = report.options;
+  std::string out = "<p class=\"note\">";
+  if (!report.result.time_s.empty()) {
+    out += formatted("Pairs within %g s, offset %g s; ", options.association.max_dt_s,
+                     options.association.offset_s);
+    if (std::isfinite(report.result.covered_share))
+      out += formatted("%.1f %% of the time of the truth covered; ",
+                       kPercent * report.result.covered_share);
+  }
+  return out + formatted("RPE over %g m and %g s.</p>\n", options.rpe_m, options.rpe_s);
+}
+
 std::string file_words(const char* name, const EvaluatedFile& input) {
   return std::string(name) + " " + escaped(input.path) + ", SHA-256 " +
          escaped(input.sha256.substr(0, 16)) +
@@ -156,6 +172,7 @@ std::string evaluation_html(const EvaluationReport& report) {
                     "</p>\n<p>Alignment " + escaped(alignment_text(report)) + ".</p>\n";
   for (const std::string& warning : evaluation_warnings(report))
     out += "<p class=\"warning\">" + escaped(warning) + "</p>\n";
+  out += settings(report);
   out += tiles(result) + "<figure>" + draw(map_of(report), kMapWidth_px, kMapHeight_px) +
          "</figure>\n" + table(result) + alignments(result);
   out += curve("Position error along the way", "distance, m", "error, mm",

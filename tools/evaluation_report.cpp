@@ -68,6 +68,11 @@ void add_alignment_warnings(const EvaluationReport& report, std::vector<std::str
   }
 }
 
+bool is_start_uncertain(const PosePairs& pairs) {
+  const PlanarCovariance& cov = pairs.covariances.front();
+  return cov.xx_m2 > 0.0 || cov.yy_m2 > 0.0 || cov.yawyaw_rad2 > 0.0;
+}
+
 void add_segment_warning(const SegmentSummary& summary, const char* unit, double there,
                          std::vector<std::string>& out) {
   if (summary.translation_m.count > 0 || std::isnan(there)) return;
@@ -170,8 +175,13 @@ std::vector<std::string> evaluation_warnings(const EvaluationReport& report) {
   add_segment_warning(result.rpe_m, "m", result.way_m.back(), out);
   add_segment_warning(result.rpe_s, "s", duration_s(result), out);
   if (result.position_nees.count > 0 && is_fit(result.alignment.kind)) {
+    out.push_back("NEES after a fit is too small: the fit has taken errors away; none does not");
+  }
+  if (result.position_nees.count > 0 && result.alignment.kind == AlignmentKind::origin &&
+      is_start_uncertain(result.pairs)) {
     out.push_back(
-        "NEES after a fit is too small: the fit has taken errors away; none and origin do not");
+        "NEES under origin is too large: it puts the error of the first pose, whose covariance is "
+        "not zero, into all others; none does not");
   }
   return out;
 }

@@ -6,6 +6,16 @@
 
 namespace lsv::cli {
 
+Result<void> refuse_empty_names(const CLI::App& command,
+                                std::initializer_list<const char*> options) {
+  for (const char* const option : options) {
+    const CLI::Option* const given = command.get_option(option);
+    if (given->count() > 0 && given->as<std::string>().empty())
+      return Error{ErrorCode::invalid_argument, std::string(option) + ": the name is empty"};
+  }
+  return {};
+}
+
 Result<void> at_most_one_on_stdout(const std::vector<std::string>& outputs) {
   if (std::count(outputs.begin(), outputs.end(), "-") > 1) {
     return Error{ErrorCode::invalid_argument,

@@ -3,12 +3,18 @@
 // is an output that nobody asked for; "-" is standard output.
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
 #include "lsv/core/result.h"
 
 namespace lsv::cli {
+
+/// An option of `command` that was given an empty name, as by an unset shell variable, is an error.
+Result<void> refuse_empty_names(const CLI::App& command,
+                                std::initializer_list<const char*> options);
 
 Result<void> at_most_one_on_stdout(const std::vector<std::string>& outputs);
 

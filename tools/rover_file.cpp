@@ -42,13 +42,14 @@ Failure read_lsv(const std::string& file, const toml::node& node, FusionConfig& 
     if (!one.is_table()) return at(file, one, "lsv must be given as [[lsv]], once per sensor");
     LsvConfig sensor;
     TomlSection in(file, one.as_table(), "lsv");
+    sensor.name = "LSV " + std::to_string(out.lsv.size() + 1);
     in.optional("name", sensor.name);
+    if (!is_sensor_name(sensor.name)) in.fail("name", kSensorNameRule);
     in.required("x_m", sensor.x_m);
     in.required("y_m", sensor.y_m);
     in.optional("yaw_rad", sensor.yaw_rad);
     in.required("noise_m_s", sensor.noise_m_s);
     if (Failure failure = in.finish()) return failure;
-    if (sensor.name.empty()) sensor.name = "LSV " + std::to_string(out.lsv.size() + 1);
     out.lsv.push_back(std::move(sensor));
   }
   return std::nullopt;
@@ -137,6 +138,14 @@ Failure read_sections(const std::string& file, const toml::table& root, FusionCo
 }
 
 }  // namespace
+
+bool is_sensor_name(std::string_view name) {
+  constexpr std::size_t kLongest = 64;
+  const auto is_wrong = [](char c) {
+    return c == ',' || c == '\'' || c == '"' || static_cast<unsigned char>(c) < ' ' || c == '\x7f';
+  };
+  return !name.empty() && name.size() <= kLongest && std::ranges::none_of(name, is_wrong);
+}
 
 Result<RoverFile> read_rover(const std::string& path) {
   const Result<toml::table> root = read_toml(path);

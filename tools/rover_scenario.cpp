@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "calibration/text_file.h"
+#include "fusion/rover_config.h"
 #include "lsv/core/shift.h"
 #include "lsv/output/number_text.h"
+#include "tools/rover_file.h"
 #include "tools/rover_scenarios/rover_scenarios.h"
 #include "tools/toml_section.h"
 
@@ -23,6 +25,12 @@ constexpr const char* kSchema = "lsv.scenario/1";
 constexpr std::array kSections = {"schema", "drive",  "command", "patch", "side_slip",
                                   "random", "wheels", "lsv",     "imu",   "motion"};
 constexpr int kMostSteps = 10'000'000;
+constexpr double kLongestDrive_s = 1e9;
+// Wide: what is beyond is a mistake, and some of it no number of a file can hold.
+constexpr double kFarthest_m = 1e6;
+constexpr double kFastest_m_s = 1e3;
+constexpr double kFastest_rad_s = 1e4;
+constexpr double kMostTurn_rad = 1e6;
 /// Of readings that nobody makes noisy: the filter needs some.
 constexpr double kLeastNoise_rad_s = 1e-3;
 
@@ -65,6 +73,11 @@ Failure read_drive(const std::string& file, const toml::table* table, RoverScena
   in.optional("ramp_s", plan.ramp_s);
   check(in, "step_s", plan.step_s, 1e-5, 1e3);
   check(in, "steps", plan.steps, 1, kMostSteps);
+  if (plan.steps * plan.step_s > kLongestDrive_s)
+    in.fail("steps", formatted("times step_s must be at most %g s", kLongestDrive_s));
+  check(in, "x_m", plan.start_x_m, -kFarthest_m, kFarthest_m);
+  check(in, "y_m", plan.start_y_m, -kFarthest_m, kFarthest_m);
+  check(in, "yaw_rad", plan.start_yaw_rad, -kMostTurn_rad, kMostTurn_rad);
   check(in, "ramp_s", plan.ramp_s, 0.0, 1e6);
   return in.finish();
 }
@@ -75,7 +88,9 @@ Failure read_command(const std::string& file, const toml::table& table, RoverSce
   in.required("duration_s", command.duration_s);
   in.required("left_rad_s", command.left_rad_s);
   in.required("right_rad_s", command.right_rad_s);
-  check(in, "duration_s", command.duration_s, 0.0, 1e9);
+  check(in, "duration_s", command.duration_s, 0.0, kLongestDrive_s);
+  check(in, "left_rad_s", command.left_rad_s, -kFastest_rad_s, kFastest_rad_s);
+  check(in, "right_rad_s", command.right_rad_s, -kFastest_rad_s, kFastest_rad_s);
   out.plan.commands.push_back(command);
   return in.finish();
 }
@@ -91,7 +106,11 @@ Failure read_patch(const std::string& file, const toml::table& table, RoverScena
   in.optional("right_m", patch.right_m);
   in.optional("bottom_m", patch.bottom_m);
   in.optional("top_m", patch.top_m);
+  if (!(patch.left_m < patch.right_m)) in.fail("left_m", "must be below right_m");
+  if (!(patch.bottom_m < patch.top_m)) in.fail("bottom_m", "must be below top_m");
   if (!soil.empty()) {
+    if (!std::isnan(patch.efficiency_ratio))
+      in.fail("soil", "says the efficiency already: give it or efficiency_ratio");
     const std::optional<double> efficiency = sim::soil_efficiency(soil);
     if (!efficiency) in.fail("soil", "must be A, B, C, D or E");
     patch.efficiency_ratio = efficiency.value_or(1.0);
@@ -108,6 +127,8 @@ Failure read_side_slip(const std::string& file, const toml::table& table, RoverS
   in.required("begin_s", slip.begin_s);
   in.required("end_s", slip.end_s);
   in.required("vy_m_s", slip.vy_m_s);
+  if (!(slip.begin_s < slip.end_s)) in.fail("begin_s", "must be below end_s");
+  check(in, "vy_m_s", slip.vy_m_s, -kFastest_m_s, kFastest_m_s);
   out.plan.side_slips.push_back(slip);
   return in.finish();
 }
@@ -128,6 +149,9 @@ Failure read_random(const std::string& file, const toml::table* table, RoverScen
                                    {"vy_time_s", random.vy_time_s},
                                    {"efficiency_time_s", random.efficiency_time_s}})
     check(in, key, value, 1e-9, 1e9);
+  check(in, "vx_m_s", random.vx_m_s, -kFastest_m_s, kFastest_m_s);
+  check(in, "vy_sigma_m_s", random.vy_sigma_m_s, 0.0, kFastest_m_s);
+  check(in, "efficiency_sigma_ratio", random.efficiency_sigma_ratio, 0.0, 10.0);
   out.plan.random = random;
   return in.finish();
 }
@@ -159,12 +183,27 @@ Failure read_lsv(const std::string& file, const toml::table& table, RoverScenari
   in.required("noise_m_s", sensor.config.noise_m_s);
   in.optional("outlier_share", sensor.config.outlier_share);
   in.optional("outlier_m_s", sensor.config.outlier_m_s);
-  sim::Interval lost;
+  sim::Interval lost{kUnknown, kUnknown};
   in.optional("lost_from_s", lost.begin_s);
   in.optional("lost_to_s", lost.end_s);
-  if (lost.end_s > lost.begin_s) sensor.config.lost.push_back(lost);
+  if (!std::isnan(lost.begin_s) || !std::isnan(lost.end_s)) {
+    if (!(lost.begin_s < lost.end_s))
+      in.fail(std::isnan(lost.begin_s) ? "lost_to_s" : "lost_from_s",
+              "and the other end must be given, lost_from_s below lost_to_s");
+    sensor.config.lost.push_back(lost);
+  }
+  if (!is_sensor_name(sensor.name)) in.fail("name", kSensorNameRule);
+  check(in, "x_m", sensor.config.place.x_m, -kFarthest_m, kFarthest_m);
+  check(in, "y_m", sensor.config.place.y_m, -kFarthest_m, kFarthest_m);
+  check(in, "yaw_rad", sensor.config.place.yaw_rad, -kMostTurn_rad, kMostTurn_rad);
   check(in, "noise_m_s", sensor.config.noise_m_s, 1e-12, 1e3);
   check(in, "outlier_share", sensor.config.outlier_share, 0.0, 1.0);
+  check(in, "outlier_m_s", sensor.config.outlier_m_s, 0.0, kFastest_m_s);
+  if ((sensor.config.outlier_share > 0.0) != (sensor.config.outlier_m_s > 0.0))
+    in.fail(sensor.config.outlier_share > 0.0 ? "outlier_share" : "outlier_m_s",
+            "does nothing alone: outlier_share and outlier_m_s must both be above 0");
+  if (out.lsv.size() == kMaxLsvSensors)
+    in.fail("x_m", formatted("is of one sensor too many: lsv fuse takes %zu", kMaxLsvSensors));
   out.lsv.push_back(std::move(sensor));
   return in.finish();
 }
@@ -178,6 +217,9 @@ Failure read_imu(const std::string& file, const toml::table* table, RoverScenari
   in.optional("gyro_bias_sigma_rad_s", imu.bias_sigma_rad_s);
   in.optional("accelerometer_noise_m_s2", imu.config.accelerometer_noise_m_s2);
   check(in, "gyro_noise_rad_s", imu.config.gyro_noise_rad_s, 1e-12, 1e3);
+  check(in, "gyro_bias_rad_s", imu.config.gyro_bias_rad_s, -1e3, 1e3);
+  check(in, "gyro_bias_sigma_rad_s", imu.bias_sigma_rad_s, 0.0, 1e3);
+  check(in, "accelerometer_noise_m_s2", imu.config.accelerometer_noise_m_s2, 0.0, 1e6);
   out.imu = imu;
   return in.finish();
 }

@@ -65,12 +65,8 @@ void add_output_options(CLI::App& command, OutputPaths& paths) {
 }
 
 Result<void> refuse_empty_names(const CLI::App& command) {
-  for (const char* option : {"--output", "--csv", "--tum", "--jsonl", "--report", "--summary"}) {
-    const CLI::Option* const given = command.get_option(option);
-    if (given->count() > 0 && given->as<std::string>().empty())
-      return Error{ErrorCode::invalid_argument, std::string(option) + ": the name is empty"};
-  }
-  return {};
+  return refuse_empty_names(command,
+                            {"--output", "--csv", "--tum", "--jsonl", "--report", "--summary"});
 }
 
 Result<TrackOutputs> TrackOutputs::open(OutputPaths paths, const RunInfo& info,

@@ -333,6 +333,9 @@ TEST(Evaluation, NeesIsTheDimensionWhereTheCovarianceIsRight) {
   EXPECT_GT(bold.position_nees.mean, 4.0);
   EXPECT_LT(bold.pose_nees.share_inside_95, 0.8);
 
+  // Of an estimate that begins at 0 with an error of its own, origin gives that to all poses.
+  EXPECT_GT(evaluated(estimate, truth, AlignmentKind::origin).position_nees.mean, 4.0);
+
   // In another frame the covariance is still that of the frame of the estimate.
   const Trajectory elsewhere = moved(truth, 1.2, 5.0, 6.0);
   const TrajectoryEvaluation turned = evaluated(estimate, elsewhere, AlignmentKind::se2);

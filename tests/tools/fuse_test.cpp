@@ -142,6 +142,8 @@ TEST_F(Fuse, EveryScenarioOfTheProgramRuns) {
 
 TEST_F(Fuse, RefusesScenariosThatAreNone) {
   EXPECT_EQ(simulate("sand").exit_code, 2);
+  expect_one_line_error(simulate("hard_ground", "-1"), 2, "--seed");
+  expect_one_line_error(simulate(folder_), 3, "is a folder");
   EXPECT_EQ(rover_run({"simulate", "rover", "-o", drive_}).exit_code, 2);
   EXPECT_EQ(rover_run({"simulate", "rover", "hard_ground"}).exit_code, 2);
   const std::string good =
@@ -173,7 +175,11 @@ TEST_F(Fuse, RefusesScenariosThatAreNone) {
 }
 
 TEST_F(Fuse, NothingIsOverwrittenBySimulating) {
-  ASSERT_EQ(simulate("appendix_d").exit_code, 0);
+  const ProgramResult run = simulate("appendix_d");
+  ASSERT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.err.find("drive: 300 poses in 149.5 s, 0 LSV sensors, wheels; rover.html"),
+            std::string::npos)
+      << run.err;
   EXPECT_EQ(simulate("appendix_d").exit_code, 2);
 }
 
@@ -193,6 +199,7 @@ TEST_F(Fuse, RefusesRoversThatAreNone) {
       {without("radius_m = 0.1\n", ""), "wheels.radius_m is missing"},
       {without("lsv.rover/1", "lsv.rover/9"), "schema"},
       {without("[[lsv]]", "[lsv]"), ""},
+      {good + "[[lsv]]\nname = \"a,b\"\nx_m = 0\ny_m = 0\nnoise_m_s = 1\n", "lsv.name must be"},
       {good + "[motion]\nmodel = \"warp\"\n", "motion.model"},
       {good + "[filter]\ngate_probability = 2\n", "filter.gate_probability"},
       {good + "[filter]\nlate_epochs = 1.5\n", "filter.late_epochs must be a whole"},
