@@ -259,7 +259,9 @@ void add_simulate_rover(CLI::App& simulate_app, int& exit_code) {
   sub->add_option("SCENARIO", c.scenario, "Name of a scenario, or a TOML file");
   sub->add_option("-o,--output", c.output, "Folder to write");
   sub->add_option("--seed", c.seed, "Seed of all noise, 0 or more")
-      ->check(CLI::NonNegativeNumber)
+      ->check([](const std::string& text) {  // CLI11 would wrap it around
+        return text.starts_with('-') ? "must be a whole number, 0 or more" : "";
+      })
       ->capture_default_str();
   sub->add_flag("--list", c.list, "Name the scenarios and end");
   sub->footer(kFooter);

@@ -68,8 +68,9 @@ std::string settings_text(const FusionConfig& config) {
                          motion.vx_walk_m_s, motion.wz_walk_rad_s)
              : formatted("motion   constant acceleration: ax_walk %g m/s2, az_walk %g rad/s2",
                          motion.ax_walk_m_s2, motion.az_walk_rad_s2);
-  out += formatted("; vy %g m/s in %g s; efficiency %g in %g s\n", motion.vy_sigma_m_s,
-                   motion.vy_time_s, motion.efficiency_sigma_ratio, motion.efficiency_time_s);
+  out +=
+      formatted("\n         side slip %g m/s in %g s, efficiency %g in %g s\n", motion.vy_sigma_m_s,
+                motion.vy_time_s, motion.efficiency_sigma_ratio, motion.efficiency_time_s);
   out += formatted("slip     alarm at %g, %g sigma\n", config.slip.alarm_ratio,
                    config.slip.threshold_sigmas);
   out += formatted("filter   gate %g, %d refused in a row, optics lost after %g s\n",
@@ -376,7 +377,9 @@ std::string FuseReport::html(const FuseInputNames& inputs) const {
                              sensor_speed_[i].points(), XyMark::dots});
   speeds.series.push_back({"fused", kFused, speed_.points()});
   figure(speeds);
-  if (config.wheels) {
+  if (config.wheels && left_.middle.points().empty() && right_.middle.points().empty()) {
+    out += "<p class=\"note\">Slip is not known: no optics watched a wheel that turns.</p>\n";
+  } else if (config.wheels) {
     figure({.title = "slip, 1 - ground speed / rim speed, while optics tell it",
             .x_name = {},
             .y_name = "slip",
