@@ -47,7 +47,7 @@ struct TrajectoryEvaluation {
   /// Of the time of the truth, what the pairs cover: less what is before the first and after the
   /// last of them and gaps between two that are over ten times the usual one. NaN without time.
   double covered_share = kUnknown;
-  NeesSummary position_nees;          // count 0 without covariance
+  NeesSummary position_nees;  // count 0 without covariance
   NeesSummary pose_nees;
 };
 
