@@ -9,6 +9,7 @@
 #include <string>
 
 #include "lsv/core/shift.h"
+#include "lsv/ingest/option_text.h"
 #include "lsv/output/number_text.h"
 #include "lsv/output/output_file.h"
 #include "lsv/output/tum_pose.h"
@@ -259,8 +260,8 @@ void add_simulate_rover(CLI::App& simulate_app, int& exit_code) {
   sub->add_option("SCENARIO", c.scenario, "Name of a scenario, or a TOML file");
   sub->add_option("-o,--output", c.output, "Folder to write");
   sub->add_option("--seed", c.seed, "Seed of all noise, 0 or more")
-      ->check([](const std::string& text) {  // CLI11 would wrap it around
-        return text.starts_with('-') ? "must be a whole number, 0 or more" : "";
+      ->check([](const std::string& text) {  // CLI11 takes what is out of range for another number
+        return whole_number<std::uint64_t>(text) ? "" : "must be a whole number, 0 to 2^64 - 1";
       })
       ->capture_default_str();
   sub->add_flag("--list", c.list, "Name the scenarios and end");

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <iterator>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "lsv/ingest/csv_table.h"
@@ -257,6 +259,13 @@ Result<void> fits(const FuseInputs& inputs, const FusionConfig& config) {
     return usage("--lsv is given " + std::to_string(inputs.lsv.size()) +
                  " times, but the rover has " + std::to_string(config.lsv.size()) +
                  " sections [[lsv]]");
+  for (std::size_t i = 1; i < inputs.lsv.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      std::error_code ignored;  // what does not exist is told when it is read
+      if (std::filesystem::equivalent(inputs.lsv[i], inputs.lsv[j], ignored))
+        return usage(inputs.lsv[i] + ": is given for two sensors; each has a file of its own");
+    }
+  }
   if (inputs.lsv.empty() && inputs.wheels.empty())
     return usage("give --lsv, --wheels or both: nothing else tells how far the rover went");
   return {};

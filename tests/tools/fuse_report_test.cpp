@@ -208,6 +208,41 @@ TEST(FuseReport, NisFarFromOneHasAWarning) {
   EXPECT_NE(fused(shy, samples).warnings().find("the covariance is too large"), std::string::npos);
 }
 
+/// Lines in the drawing of that title.
+std::size_t lines_in(const std::string& html, const std::string& title) {
+  const std::size_t at = html.find(">" + title + "</text>");
+  const std::size_t end = html.find("</svg>", at);
+  std::size_t lines = 0;
+  for (std::size_t i = html.find("<polyline", at); i < end; i = html.find("<polyline", i + 1))
+    ++lines;
+  return lines;
+}
+
+// What nothing measured is not drawn as if it were.
+TEST(FuseReport, OutagesBreakTheLines) {
+  const StraightDrive lost{.lost_from_s = 20.0, .lost_to_s = 30.0};
+  const std::string sound = fused(rover(2, true), StraightDrive{}).report.html({});
+  const std::string guessed = fused(rover(2, false), lost).report.html({});
+  const std::string wheels = fused(rover(2, true), lost).report.html({});
+  for (const char* const title : {"yaw rate", "heading", "forward speed"}) {
+    EXPECT_EQ(lines_in(sound, title), 1U) << title;
+    EXPECT_EQ(lines_in(guessed, title), 2U) << title;
+    EXPECT_EQ(lines_in(wheels, title), 1U) << title;
+  }
+  // Both wheels have a line and two for the band.
+  const std::string slip = "slip, 1 - ground speed / rim speed, while optics tell it";
+  EXPECT_EQ(lines_in(sound, slip), 6U);
+  EXPECT_EQ(lines_in(wheels, slip), 12U);
+}
+
+TEST(XyPlot, ThinningKeepsGaps) {
+  XyPlot plot{
+      .title = "gaps", .x_name = {}, .y_name = {}, .series = {{"", "#000", {}}}, .patches = {}};
+  for (int i = 0; i < 5000; ++i)
+    plot.series[0].points.push_back({1.0 * i, i == 2501 || i == 3502 ? kUnknown : 1.0});
+  EXPECT_EQ(lines_in(draw(plot, 600, 300), "gaps"), 3U);
+}
+
 // A gap stays one however often a curve is thinned.
 TEST(FuseReport, ThinCurvesKeepTheirBreaks) {
   ThinCurve curve;

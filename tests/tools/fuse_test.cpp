@@ -108,7 +108,10 @@ TEST_F(Fuse, TheSameSeedGivesTheSameBytes) {
   const std::string first = read_text(drive_ + "/lsv_1.csv");
   ASSERT_EQ(fuse(all({lsv(1), lsv(2), wheels()})).exit_code, 0);
   const std::string pose = read_text(out_ + "/pose.csv");
-  ASSERT_EQ(fuse(all({lsv(1), lsv(2), wheels()})).exit_code, 0);
+  write_text(out_ + "/evaluation.json", "{}");
+  const ProgramResult again = fuse(all({lsv(1), lsv(2), wheels()}));
+  ASSERT_EQ(again.exit_code, 0);
+  EXPECT_NE(again.err.find("evaluation.json is of a run before this one"), std::string::npos);
   EXPECT_EQ(read_text(out_ + "/pose.csv"), pose);
   fs::remove_all(drive_);
   ASSERT_EQ(simulate("outliers", "5").exit_code, 0);
@@ -142,7 +145,8 @@ TEST_F(Fuse, EveryScenarioOfTheProgramRuns) {
 
 TEST_F(Fuse, RefusesScenariosThatAreNone) {
   EXPECT_EQ(simulate("sand").exit_code, 2);
-  expect_one_line_error(simulate("hard_ground", "-1"), 2, "--seed");
+  for (const char* const seed : {"-1", "1.5", "18446744073709551616"})
+    expect_one_line_error(simulate("hard_ground", seed), 2, "--seed");
   expect_one_line_error(simulate(folder_), 3, "is a folder");
   EXPECT_EQ(rover_run({"simulate", "rover", "-o", drive_}).exit_code, 2);
   EXPECT_EQ(rover_run({"simulate", "rover", "hard_ground"}).exit_code, 2);
@@ -239,6 +243,7 @@ TEST_F(Fuse, RefusesWhatDoesNotGoTogether) {
   ASSERT_EQ(simulate("hard_ground").exit_code, 0);
   EXPECT_EQ(fuse({}).exit_code, 2);
   EXPECT_EQ(fuse(all({lsv(1), lsv(2), lsv(1)})).exit_code, 2);
+  expect_one_line_error(fuse(all({lsv(1), lsv(1)})), 2, "is given for two sensors");
   EXPECT_EQ(fuse(all({wheels(), {"--imu", drive_ + "/wheels.csv"}})).exit_code, 2);
   EXPECT_EQ(fuse({"--wheels", drive_ + "/nothing.csv"}).exit_code, 3);
   EXPECT_EQ(rover_run({"fuse", "--wheels", drive_ + "/wheels.csv", "-o", out_}).exit_code, 2);
