@@ -285,7 +285,8 @@ class FuseFrames : public Fuse {
     ASSERT_EQ(made.exit_code, 0) << made.err;
     const ProgramResult tracked =
         lsv_run({"track", drive_ + "/frames", "--rate-hz", "1000", "--calibration",
-                 LSV_SOURCE_DIR "/sample_frames/calibration.toml", "--csv", drive_ + "/track.csv"});
+                 std::string(LSV_SOURCE_DIR) + "/sample_frames/calibration.toml", "--csv",
+                 drive_ + "/track.csv"});
     ASSERT_EQ(tracked.exit_code, 0) << tracked.err;
     write_text(drive_ + "/rover.toml", kCoarseRover);
     const ProgramResult run = lsv_run(
