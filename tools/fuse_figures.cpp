@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fusion/chi_square.h"
 #include "lsv/output/number_text.h"
@@ -12,6 +13,8 @@ namespace {
 
 constexpr double kManyRefused = 0.05;       // of the readings of a sensor
 constexpr double kManyContradicted = 0.05;  // of the readings of the wheels
+constexpr double kSkidRatio = 1.5;          // of ground speed to rim speed
+constexpr double kSkidSigmas = 5.0;         // of the rim speed
 constexpr double kManyLeftOut = 0.2;        // of all rows
 constexpr double kLongLost = 0.01;          // of the time
 constexpr double kEndsEarly = 0.02;         // of the time, before the end
@@ -98,6 +101,19 @@ double NisFigures::inside_share() const {
   return count > 0 ? static_cast<double>(inside) / static_cast<double>(count) : kUnknown;
 }
 
+void FuseFigures::add_skids(const NavState& s, const WheelSample& wheels) {
+  const WheelConfig& config = *config_.wheels;
+  const auto add = [&](double rim_rad_s, double y_m, SkidFigures& out) {
+    const double rim_m_s = std::abs(config.radius_m * rim_rad_s);
+    const double ground_m_s = std::abs(s.vx_m_s - s.wz_rad_s * y_m);
+    const double noise_m_s = kSkidSigmas * config.radius_m * config.noise_rad_s;
+    ++out.readings;
+    out.skids += ground_m_s > kSkidRatio * rim_m_s + noise_m_s ? 1 : 0;
+  };
+  add(wheels.left_rad_s, 0.5 * config.track_m, left_skid);
+  add(wheels.right_rad_s, -0.5 * config.track_m, right_skid);
+}
+
 void FuseFigures::add(const FuseRow& row) {
   const NavState& s = row.state;
   if (poses == 0) first = last = s;
@@ -119,6 +135,8 @@ void FuseFigures::add(const FuseRow& row) {
       lsv[i].last_used = s.stamp;
     }
   }
+  if (row.wheels && config_.wheels && !config_.lsv.empty() && s.status == NavStatus::ok)
+    add_skids(s, *row.wheels);
   last = s;
   ++poses;
 }
@@ -153,6 +171,15 @@ std::vector<std::string> fuse_warnings(const FuseFigures& figures) {
         formatted("wheels contradicted the optics on %.1f %% of their readings: are "
                   "both in their units, does a wheel or encoder stand still?",
                   kPercent * opened));
+  }
+  for (const auto& [name, skid] :
+       {std::pair{"left wheel", figures.left_skid}, {"right wheel", figures.right_skid}}) {
+    if (const double skids = share(skid.skids, skid.readings); skids > kManyContradicted)
+      out.push_back(
+          formatted("%s: on %.1f %% of its readings the ground passes more than %g times "
+                    "faster than its rim turns: is it braked, is its encoder dead, or "
+                    "a unit wrong?",
+                    name, kPercent * skids, kSkidRatio));
   }
   add_nis_warning("optics", "is noise_m_s or motion.vx_walk_m_s too small, or a unit wrong?",
                   figures.lsv_nis, out);

@@ -36,6 +36,12 @@ struct SlipFigures {
   double slip_time_s() const { return known_s > 0.0 ? slips_s : kUnknown; }
 };
 
+/// Readings of a wheel while optics told the ground speed.
+struct SkidFigures {
+  std::size_t readings = 0;
+  std::size_t skids = 0;  // the ground passes far faster than the rim turns
+};
+
 class FuseFigures {
  public:
   explicit FuseFigures(const FusionConfig& config) : config_(config) {}
@@ -52,6 +58,7 @@ class FuseFigures {
   std::size_t poses = 0;
   double path_m = 0.0;  // integral of the speed: a correction of the position is no way
   SlipFigures left_slip{}, right_slip{};
+  SkidFigures left_skid{}, right_skid{};
   NisFigures lsv_nis{}, wheel_nis{}, gyro_nis{};
   std::array<LsvFigures, kMaxLsvSensors> lsv{};
   FusionCounters counters{};
@@ -60,6 +67,8 @@ class FuseFigures {
   std::size_t events = 0;
 
  private:
+  void add_skids(const NavState& state, const WheelSample& wheels);
+
   FusionConfig config_;
   std::array<double, 4> status_s_{};  // time spent in each NavStatus
 };

@@ -182,13 +182,20 @@ TEST(FuseReport, WhatContradictsHasAWarning) {
   // mm/s
   EXPECT_NE(warnings(2, false, {.factor = {1.0, 1000.0}}).find("rear: none of its readings"),
             std::string::npos);
-  EXPECT_NE(warnings(2, true, {.factor = {1000.0, 1000.0}}).find("wheels contradicted the optics"),
-            std::string::npos);
+  const std::string both = warnings(2, true, {.factor = {1000.0, 1000.0}});
+  for (const char* const wheel : {"left", "right"}) {
+    EXPECT_NE(
+        both.find(std::string(wheel) + " wheel: on 100.0 % of its readings the ground passes"),
+        std::string::npos)
+        << both;
+  }
   // A scale that is 10 % off.
   EXPECT_NE(warnings(2, false, {.factor = {1.0, 1.1}}), "[]");
-  // A wheel that reads nothing.
-  EXPECT_NE(warnings(2, true, {.left_factor = 0.0}).find("contradicted the optics"),
-            std::string::npos);
+  // A wheel that reads nothing: told as what it is, or as contradiction.
+  const std::string dead = warnings(2, true, {.left_factor = 0.0});
+  EXPECT_TRUE(dead.find("left wheel: on ") != std::string::npos ||
+              dead.find("contradicted the optics") != std::string::npos)
+      << dead;
   // ms for s
   const std::string slow = warnings(2, false, {.duration_s = 2000.0, .step_s = 50.0});
   EXPECT_NE(slow.find("are the times seconds?"), std::string::npos) << slow;
