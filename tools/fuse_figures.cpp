@@ -60,11 +60,16 @@ void add_sensor_warnings(const FuseFigures& figures, std::vector<std::string>& o
     }
     const double refused = share(one.refused, one.used + one.refused);
     if (refused > kManyRefused) {
-      out.push_back(name + formatted(": %.1f %% of its readings were refused: is the unit m/s, is "
-                                     "the mount right and the order of --lsv that of the rover's "
-                                     "[[lsv]]? `lsv calibrate mount --correct-ratio` makes "
-                                     "scales agree",
-                                     kPercent * refused));
+      std::string line = name + formatted(
+                                    ": %.1f %% of its readings were refused: is the unit "
+                                    "m/s, is [motion] that of this rover?",
+                                    kPercent * refused);
+      if (sensors.size() > 1) {
+        line +=
+            " Is the mount right and the order of --lsv that of the rover's [[lsv]]? "
+            "`lsv calibrate mount --correct-ratio` makes scales agree";
+      }
+      out.push_back(line);
     }
     const double before_end_s = seconds_between(one.last_used, figures.last.stamp);
     if (before_end_s >
