@@ -28,6 +28,8 @@ void forget(int i, double sigma, StateMatrix& p) {
   p(i, i) = sigma * sigma;
 }
 
+double ground_speed_m_s(const StateVector& x) { return std::hypot(x(kVx), x(kVy)); }
+
 /// A row of a sensor is empty but for two or three places.
 StateVector times(const StateMatrix& p, const StateVector& h) {
   StateVector out = StateVector::Zero();
@@ -81,11 +83,15 @@ void FusionFilter::predict_to(Stamp stamp, FilterState& state) const {
   predict(config_.motion,
           {sigma_ratio * std::abs(state.left.rim_m_s), sigma_ratio * std::abs(state.right.rim_m_s)},
           seconds_between(state.stamp, stamp), state.x, state.p);
+  state.path_m += ground_speed_m_s(state.x) * seconds_between(state.stamp, stamp);
   state.stamp = stamp;
 }
 
 void FusionFilter::process(const Epoch& epoch, FilterState& state) const {
+  const double dt_s = seconds_between(state.stamp, epoch.stamp);
+  const bool was_speed_known = state.last_lsv || state.last_wheels;
   predict_to(epoch.stamp, state);
+  const double predicted_m_s = ground_speed_m_s(state.x);
   state.lsv_agreement = state.wheel_agreement = state.gyro_agreement = {};
   state.lsv_refused.fill(false);
   state.lsv_nis.fill(kUnknown);
@@ -93,6 +99,9 @@ void FusionFilter::process(const Epoch& epoch, FilterState& state) const {
   if (epoch.gyro) weigh_gyro(*epoch.gyro, state);
   if (epoch.wheels) weigh_wheels(*epoch.wheels, state);
   if (epoch.standstill) stand_still(*epoch.standstill, state);
+  // Between two samples the mean of the speeds at both; before the first none is known.
+  const double share = was_speed_known ? 0.5 : 1.0;
+  state.path_m += share * (ground_speed_m_s(state.x) - predicted_m_s) * dt_s;
 }
 
 void FusionFilter::update(const Row& row, FilterState& state) {
@@ -348,6 +357,7 @@ NavState FusionFilter::describe(const FilterState& state, Stamp now) const {
   out.vx_m_s = state.x(kVx);
   out.vy_m_s = state.x(kVy);
   out.wz_rad_s = state.x(kWz);
+  out.path_m = state.path_m;
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t j = 0; j < 6; ++j) {
       out.cov[i][j] = state.p(static_cast<int>(i), static_cast<int>(j));

@@ -36,6 +36,7 @@ struct FilterState {
   StateVector x = StateVector::Zero();
   StateMatrix p = StateMatrix::Zero();
   Stamp start{};
+  double path_m = 0.0;
   std::optional<Stamp> last_lsv{};  // accepted
   std::optional<Stamp> last_wheels{};
   int lsv_epochs_refused = 0;  // in a row

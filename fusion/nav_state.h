@@ -47,6 +47,9 @@ struct NavState {
   double vx_m_s = kUnknown;   // body axes
   double vy_m_s = kUnknown;   // side slip
   double wz_rad_s = kUnknown;
+  /// Travelled since the start: the speed summed over time, without the corrections of the pose. At
+  /// rest it grows with the noise of the speed.
+  double path_m = kUnknown;
   NavCovariance cov{};
   WheelGrip left{};
   WheelGrip right{};

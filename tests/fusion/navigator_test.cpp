@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <random>
 #include <variant>
@@ -58,6 +59,34 @@ TEST(Navigator, DrivesStraight) {
   EXPECT_NEAR(state.left.efficiency_ratio, 1.0, 1e-5);
   EXPECT_NEAR(state.gyro_bias_rad_s, 0.003, 1e-4);
   EXPECT_EQ(nav.counters().lsv_accepted, 402U);
+}
+
+// The pose is corrected to and fro; that is no way travelled.
+TEST(Navigator, ThePathIsWhatTheSpeedSaysAndNotTheCorrectionsOfThePose) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  FusionConfig wheels_only = rover();
+  wheels_only.lsv.clear();
+  FusionConfig one_sensor = rover();
+  one_sensor.lsv.pop_back();
+  for (const FusionConfig& config : {rover(), wheels_only, one_sensor}) {
+    Navigator nav = navigator(config);
+    double poses_m = 0.0;
+    NavState last;
+    for (int k = 0; k <= 2000; ++k) {
+      const Stamp stamp{k * kDt_ns};
+      for (std::size_t i = 0; i < config.lsv.size(); ++i)
+        nav.add(i, lsv_sample(stamp.ns, kSpeed_m_s + 7e-4 * noise(random), 7e-4 * noise(random)));
+      nav.add(WheelSample{stamp, 0.55 + 0.017 * noise(random), 0.55 + 0.017 * noise(random)});
+      const NavState now = nav.state();
+      if (k > 0) poses_m += std::hypot(now.x_m - last.x_m, now.y_m - last.y_m);
+      last = now;
+    }
+    std::printf("path %.4f m (true 5.5), corrections included %.4f m\n", last.path_m, poses_m);
+    EXPECT_NEAR(last.path_m, 5.5, 0.02) << "seed 5";
+    const NavState later = nav.state_at({last.stamp.ns + kNsPerS});
+    EXPECT_NEAR(later.path_m, last.path_m + std::hypot(last.vx_m_s, last.vy_m_s), 1e-3);
+  }
 }
 
 // Turns left about a point on the left; the sensors feel their lever arms.
