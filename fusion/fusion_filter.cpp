@@ -72,16 +72,24 @@ void FusionFilter::forget_motion(FilterState& state) const {
   }
 }
 
-void FusionFilter::forget_grip(bool is_left, FilterState& state) const {
-  const double rim_m_s = (is_left ? state.left : state.right).rim_m_s;
+/// What the slip speed is likely to be a share of: that of the rim; and where the wheel is dragged,
+/// with a rim that stands still, of itself.
+double FusionFilter::slip_scale_m_s(bool is_left, const FilterState& state) {
+  return std::max(std::abs((is_left ? state.left : state.right).rim_m_s),
+                  std::abs(state.x(is_left ? kLeft : kRight)));
+}
+
+/// At least as far as it contradicts, whatever the wheel and the encoder do.
+void FusionFilter::forget_grip(bool is_left, double innovation_m_s, FilterState& state) const {
   const double sigma_ratio = std::max(config_.motion.efficiency_sigma_ratio, kUnknownGrip);
-  forget(is_left ? kLeft : kRight, sigma_ratio * std::abs(rim_m_s), state.p);
+  forget(is_left ? kLeft : kRight,
+         std::max(sigma_ratio * slip_scale_m_s(is_left, state), std::abs(innovation_m_s)), state.p);
 }
 
 void FusionFilter::predict_to(Stamp stamp, FilterState& state) const {
   const double sigma_ratio = config_.motion.efficiency_sigma_ratio;
   predict(config_.motion,
-          {sigma_ratio * std::abs(state.left.rim_m_s), sigma_ratio * std::abs(state.right.rim_m_s)},
+          {sigma_ratio * slip_scale_m_s(true, state), sigma_ratio * slip_scale_m_s(false, state)},
           seconds_between(state.stamp, stamp), state.x, state.p);
   state.path_m += ground_speed_m_s(state.x) * seconds_between(state.stamp, stamp);
   state.stamp = stamp;
@@ -269,9 +277,10 @@ void FusionFilter::watch_slip(double rim_m_s, double variance_m2_s2, bool is_lef
   const double ground_m_s = state.x(kVx) - state.x(kWz) * y_m;
   const double ground_variance_m2_s2 =
       state.p(kVx, kVx) - 2.0 * y_m * state.p(kVx, kWz) + y_m * y_m * state.p(kWz, kWz);
-  (is_left ? state.left : state.right)
-      .cusum.add(config_.slip, rim_m_s, ground_m_s,
-                 std::sqrt(ground_variance_m2_s2 + variance_m2_s2));
+  const double sigma_m_s = std::sqrt(ground_variance_m2_s2 + variance_m2_s2);
+  WheelMemory& wheel = is_left ? state.left : state.right;
+  wheel.spins.add(config_.slip, rim_m_s, ground_m_s, sigma_m_s);
+  wheel.skids.add(config_.slip, ground_m_s, rim_m_s, sigma_m_s);
 }
 
 void FusionFilter::weigh_wheels(const WheelSample& sample, FilterState& state) const {
@@ -309,8 +318,8 @@ void FusionFilter::weigh_wheels(const WheelSample& sample, FilterState& state) c
       ++state.counters.grip_opened;
       const bool left = innovation(0) * innovation(0) / s(0, 0) > limits_[1];
       const bool right = innovation(1) * innovation(1) / s(1, 1) > limits_[1];
-      if (left || !right) forget_grip(true, state);
-      if (right || !left) forget_grip(false, state);
+      if (left || !right) forget_grip(true, innovation(0), state);
+      if (right || !left) forget_grip(false, innovation(1), state);
     } else {
       ++state.counters.wheel_steps;
       forget_motion(state);
@@ -324,7 +333,9 @@ void FusionFilter::weigh_wheels(const WheelSample& sample, FilterState& state) c
 WheelGrip FusionFilter::grip(bool is_left, const FilterState& state) const {
   const WheelMemory& wheel = is_left ? state.left : state.right;
   const int slip = is_left ? kLeft : kRight;
-  WheelGrip out{.is_slipping = wheel.cusum.alarm(), .is_slip_known = state.is_slip_known};
+  WheelGrip out{.is_slipping = wheel.spins.alarm() || wheel.skids.alarm(),
+                .is_skidding = wheel.skids.alarm(),
+                .is_slip_known = state.is_slip_known};
   // Of a wheel that hardly turns there is no ratio.
   const double least_m_s = kRimSigmas * config_.wheels->radius_m * config_.wheels->noise_rad_s;
   if (!(std::abs(wheel.rim_m_s) > least_m_s)) return out;

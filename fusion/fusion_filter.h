@@ -28,7 +28,8 @@ struct Epoch {
 /// Of one wheel, besides its slip speed in the state.
 struct WheelMemory {
   double rim_m_s = 0.0;  // as it turns lately, by the encoder
-  SlipCusum cusum{};
+  SlipCusum spins{};     // faster than the ground passes
+  SlipCusum skids{};     // slower
 };
 
 struct FilterState {
@@ -81,7 +82,8 @@ class FusionFilter {
   void forget_motion(FilterState& state) const;
   static void jump_in_between(const Eigen::Vector3d& motion_before, double dt_s,
                               FilterState& state);
-  void forget_grip(bool is_left, FilterState& state) const;
+  static double slip_scale_m_s(bool is_left, const FilterState& state);
+  void forget_grip(bool is_left, double innovation_m_s, FilterState& state) const;
   WheelGrip grip(bool is_left, const FilterState& state) const;
   static void update(const Row& row, FilterState& state);
   bool has_optics(const FilterState& state, Stamp now) const;

@@ -28,7 +28,8 @@ using NavCovariance = std::array<std::array<double, 6>, 6>;
 struct WheelGrip {
   double efficiency_ratio = kUnknown;  // ground speed / rim speed; NaN for a wheel at rest
   double sigma_ratio = kUnknown;
-  bool is_slipping = false;    // the alarm
+  bool is_slipping = false;    // the alarm: rim and ground differ, either way
+  bool is_skidding = false;    // slower than the ground passes: braked, blocked, or not read at all
   bool is_slip_known = false;  // optics watched the last reading of the wheels
 };
 
