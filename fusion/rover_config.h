@@ -37,6 +37,7 @@ struct GyroConfig {
   double bias_sigma_rad_s = 0.0;  // of the constant that it reads too much, >= 0
 };
 
+/// At the beginning of the first interval that was measured.
 struct StartConfig {
   double x_m = 0.0;
   double y_m = 0.0;

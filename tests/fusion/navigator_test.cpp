@@ -238,11 +238,15 @@ TEST(Navigator, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_EQ(nav.add(StandstillSample{next, 0.0, 1.0}), SampleStatus::invalid);
   EXPECT_EQ(nav.add(2, lsv_sample(next.ns, 0.0)), SampleStatus::unknown_sensor);
   for (const std::int64_t ns :
-       {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()})
+       {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
     EXPECT_EQ(nav.add(GyroSample{{ns}, 0.0}), SampleStatus::invalid);
+    LsvSample far = lsv_sample(ns, 0.0);
+    far.interval_s = 0.1;
+    EXPECT_EQ(nav.add(0, far), SampleStatus::invalid);
+  }
   EXPECT_EQ(nav.state().stamp, before.stamp);
   EXPECT_EQ(nav.state().x_m, before.x_m);
-  EXPECT_EQ(nav.counters().invalid, 14U);
+  EXPECT_EQ(nav.counters().invalid, 16U);
 }
 
 TEST(Navigator, RefusesAnImpossibleRover) {
@@ -261,6 +265,48 @@ TEST(Navigator, WhatIsTooOldIsCountedAndLeftOut) {
   EXPECT_EQ(nav.add(0, lsv_sample(-kDt_ns, 9.0)), SampleStatus::too_late);
   EXPECT_EQ(nav.counters().too_late, 2U);
   EXPECT_EQ(nav.state().x_m, before.x_m);
+}
+
+// Half an interval of way and of turning is not lost, whichever sample comes first.
+TEST(Navigator, TheStartIsWhereTheFirstIntervalBegins) {
+  FusionConfig config = rover();
+  config.gyro.reset();
+  config.start = {.x_m = 1.0, .yaw_rad = 0.3};
+  const double wz_rad_s = 0.1;
+  for (const bool wheels_first : {false, true}) {
+    Navigator nav = navigator(config);
+    const WheelSample wheels{
+        {20'000'000}, (kSpeed_m_s - 0.4 * wz_rad_s) / 0.1, (kSpeed_m_s + 0.4 * wz_rad_s) / 0.1};
+    if (wheels_first) nav.add(wheels);
+    for (std::int64_t k = 1; k <= 100; ++k) {
+      for (std::size_t i = 0; i < 2; ++i) {
+        LsvSample sample = lsv_sample(k * 100'000'000, kSpeed_m_s - wz_rad_s * config.lsv[i].y_m,
+                                      wz_rad_s * config.lsv[i].x_m);
+        sample.interval_s = 0.1;
+        EXPECT_EQ(nav.add(i, sample), SampleStatus::taken);
+      }
+      if (k == 1 && !wheels_first) nav.add(wheels);
+    }
+    // The last sample counts for its middle; its end is one prediction away.
+    const NavState end = nav.state_at({10 * kNsPerS});
+    const double turn_rad = wz_rad_s * 10.0, radius_m = kSpeed_m_s / wz_rad_s;
+    EXPECT_NEAR(end.yaw_rad, 0.3 + turn_rad, 1e-4);
+    EXPECT_NEAR(end.x_m, 1.0 + radius_m * (std::sin(0.3 + turn_rad) - std::sin(0.3)), 1e-4);
+    EXPECT_NEAR(end.y_m, radius_m * (std::cos(0.3) - std::cos(0.3 + turn_rad)), 1e-4);
+    EXPECT_NEAR(end.path_m, 10.0 * kSpeed_m_s, 1e-4);
+  }
+}
+
+TEST(Navigator, TheStartStaysWhenItCannotBeGoneBackTo) {
+  FusionConfig config = rover();
+  config.late_epochs = 10;
+  Navigator nav = navigator(config);
+  drive(nav, 0, 15);
+  LsvSample sample = lsv_sample(15 * kDt_ns, kSpeed_m_s);
+  sample.interval_s = 0.9;  // its middle can, its beginning not
+  const double x_m = nav.state().x_m;
+  EXPECT_EQ(nav.add(0, sample), SampleStatus::taken);
+  EXPECT_NEAR(nav.state().x_m, x_m, 1e-6);
 }
 
 using AnySample = std::variant<LsvSample, WheelSample, GyroSample>;
