@@ -40,7 +40,8 @@ struct FilterState {
   double path_m = 0.0;
   std::optional<Stamp> last_lsv{};  // accepted
   std::optional<Stamp> last_wheels{};
-  int lsv_epochs_refused = 0;  // in a row
+  std::optional<Stamp> last_gyro{};  // accepted
+  int lsv_epochs_refused = 0;        // in a row
   bool was_odd_in_agreement = false;
   WheelMemory left{};
   WheelMemory right{};
@@ -83,15 +84,17 @@ class FusionFilter {
   static void jump_in_between(const Eigen::Vector3d& motion_before, double dt_s,
                               FilterState& state);
   static double slip_scale_m_s(bool is_left, const FilterState& state);
-  void forget_grip(bool is_left, double innovation_m_s, FilterState& state) const;
+  static void forget_grip(bool is_left, FilterState& state);
   WheelGrip grip(bool is_left, const FilterState& state) const;
   static void update(const Row& row, FilterState& state);
   bool has_optics(const FilterState& state, Stamp now) const;
-  bool has_wheels(const FilterState& state, Stamp now) const;
+  static bool has_wheels(const FilterState& state, Stamp now);
+  HeadingSource heading(const FilterState& state, Stamp now) const;
 
   FusionConfig config_;
   LsvMounts mounts_{};
   GateLimits limits_{};
+  std::array<bool, 1U << kMaxLsvSensors> fixes_heading_{};  // by the set of sensors, as bits
 };
 
 }  // namespace lsv::fusion

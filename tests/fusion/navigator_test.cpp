@@ -162,6 +162,64 @@ TEST(Navigator, OpticsLostAreToldAtOnceAndWheelsCarryOn) {
   EXPECT_EQ(nav.state().status, NavStatus::ok);
 }
 
+// What no longer comes must be told, of each sensor, and what the heading rests on from then on.
+TEST(Navigator, ASensorThatGoesAwayIsTold) {
+  for (const bool has_gyro : {false, true}) {
+    for (const bool has_wheels : {false, true}) {
+      FusionConfig config = rover();
+      if (!has_gyro) config.gyro.reset();
+      if (!has_wheels) config.wheels.reset();
+      Navigator nav = navigator(config);
+      EXPECT_EQ(nav.state().heading, HeadingSource::nothing);
+      drive(nav, 0, 100);
+      EXPECT_EQ(nav.state().heading, HeadingSource::optics);
+      for (int k = 100; k < 200; ++k) {
+        nav.add(0, lsv_sample(k * kDt_ns, kSpeed_m_s));
+        nav.add(WheelSample{{k * kDt_ns}, 0.55, 0.55});
+        nav.add(GyroSample{{k * kDt_ns}, 0.003});
+        if (k > 102) continue;
+        EXPECT_EQ(nav.state().heading == HeadingSource::optics, k < 102) << "within 100 ms";
+      }
+      EXPECT_EQ(nav.state().status, NavStatus::ok);
+      EXPECT_EQ(nav.state().heading, has_gyro     ? HeadingSource::gyro
+                                     : has_wheels ? HeadingSource::wheels
+                                                  : HeadingSource::side_slip);
+      const auto [one, two] = std::pair(nav.counters().lsv[0], nav.counters().lsv[1]);
+      EXPECT_EQ(one.accepted, 200U);
+      EXPECT_EQ(two.accepted, 100U);
+      EXPECT_EQ(one.last_seen->ns, 199 * kDt_ns);
+      EXPECT_EQ(two.last_seen->ns, 99 * kDt_ns);
+      EXPECT_EQ(one.refused + two.refused, 0U);
+      EXPECT_EQ(nav.state_at({199 * kDt_ns + kNsPerS}).heading, HeadingSource::nothing);
+    }
+  }
+}
+
+TEST(Navigator, ASensorThatIsAlwaysRefusedWasNeverSeen) {
+  FusionConfig config = rover();
+  config.lsv.push_back({"c", -0.3, 0.0, 0.0, 7e-4});
+  Navigator nav = navigator(config);
+  for (int k = 0; k < 100; ++k) {
+    for (const std::size_t sensor : {0U, 1U, 2U})
+      nav.add(sensor, lsv_sample(k * kDt_ns, sensor == 2 ? 1.0 : kSpeed_m_s));
+  }
+  EXPECT_EQ(nav.counters().lsv[2].accepted, 0U);
+  EXPECT_EQ(nav.counters().lsv[2].refused, 100U);
+  EXPECT_FALSE(nav.counters().lsv[2].last_seen.has_value());
+  EXPECT_EQ(nav.counters().lsv[0].accepted, 100U);
+}
+
+TEST(Navigator, SensorsAtOnePlaceDoNotSeeTheHeading) {
+  FusionConfig config = rover();
+  config.wheels.reset();
+  config.gyro.reset();
+  config.lsv[1].x_m = config.lsv[0].x_m;
+  config.lsv[1].y_m = config.lsv[0].y_m;
+  Navigator nav = navigator(config);
+  drive(nav, 0, 10);
+  EXPECT_EQ(nav.state().heading, HeadingSource::side_slip);
+}
+
 TEST(Navigator, WithoutAnySourceItSaysSoWithin100Milliseconds) {
   FusionConfig config = rover();
   config.wheels.reset();

@@ -24,7 +24,8 @@ struct FaultErrors {
   double end_m = 0.0;
   double worst_yaw_rad = 0.0;
   double left_slips_share = 0.0, right_slips_share = 0.0;
-  double nees_mean = 0.0;  // of x and y at the end, 2 is right
+  double nees_mean = 0.0;      // of x and y at the end, 2 is right
+  double yaw_nees_mean = 0.0;  // at the end, 1 is right
   FusionCounters counters{};
 };
 
@@ -35,22 +36,24 @@ double nees_xy(const sim::RoverState& truth, const NavState& s) {
          (p[0][0] * p[1][1] - p[0][1] * p[0][1]);
 }
 
-FaultErrors over_seeds(const RoverTrial& trial) {
+FaultErrors over_seeds(const RoverTrial& trial, std::uint64_t seeds = kSeeds) {
   FaultErrors out;
   double sum_m2 = 0.0, count = 0.0;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    double end_m = 0.0, nees = 0.0;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    double end_m = 0.0, nees = 0.0, yaw_nees = 0.0;
     out.counters = drive(trial, seed, [&](const sim::RoverState& truth, const NavState& state) {
       end_m = std::sqrt(test::squared_error_m2(truth, state));
       nees = nees_xy(truth, state);
+      yaw_nees = std::pow(state.yaw_rad - truth.yaw_rad, 2) / state.cov[2][2];
       sum_m2 += end_m * end_m;
       out.worst_yaw_rad = std::max(out.worst_yaw_rad, std::abs(state.yaw_rad - truth.yaw_rad));
       out.left_slips_share += state.left.is_slipping;
       out.right_slips_share += state.right.is_slipping;
       ++count;
     });
-    out.end_m += end_m / kSeeds;
-    out.nees_mean += nees / kSeeds;
+    out.end_m += end_m / static_cast<double>(seeds);
+    out.nees_mean += nees / static_cast<double>(seeds);
+    out.yaw_nees_mean += yaw_nees / static_cast<double>(seeds);
   }
   out.rmse_m = std::sqrt(sum_m2 / count);
   out.left_slips_share /= count;
@@ -139,6 +142,57 @@ TEST(RoverFaults, WheelsThatReadWrongCostTwoSensorsNothing) {
     EXPECT_GE(fused.left_slips_share, fault.least_told_share) << fault.name;
     EXPECT_GE(fused.counters.grip_opened, 1U) << fault.name;
   }
+}
+
+// --- one sensor
+
+struct OneSensorDrive {
+  std::string name;
+  sim::RoverPlan plan;
+};
+
+std::vector<OneSensorDrive> one_sensor_drives() {
+  sim::RoverPlan stop_and_go = test::sand_plan();
+  stop_and_go.commands.clear();
+  for (int i = 0; i < 20; ++i) {
+    stop_and_go.commands.push_back({3.0, 0.55, 0.55});
+    stop_and_go.commands.push_back({3.0, 0.0, 0.0});
+  }
+  sim::RoverPlan wandering{.step_s = 0.05, .steps = 2400};
+  wandering.random = sim::RandomDrive{.efficiency_sigma_ratio = 0.05};
+  return {{"sand", test::sand_plan()},
+          {"uneven speeds", uneven_plan()},
+          {"stop and go in sand", stop_and_go},
+          {"wandering, with side slip", wandering}};
+}
+
+// One sensor cannot tell turning from side slip. Alone it takes the side slip for zero, which on
+// all of these drives but the last it is; wheels must not turn a change of grip into a turn.
+TEST(RoverFaults, WheelsDoOneSensorNoHarm) {
+  constexpr std::uint64_t kManySeeds = 8;
+  for (const OneSensorDrive& one : one_sensor_drives()) {
+    RoverTrial trial{.plan = one.plan, .has_wheels = false};
+    trial.lsv.pop_back();
+    const FaultErrors alone = over_seeds(trial, kManySeeds);
+    trial.has_wheels = true;
+    const FaultErrors fused = over_seeds(trial, kManySeeds);
+    print(one.name + ", one LSV alone", alone);
+    print(one.name + ", with wheels", fused);
+    EXPECT_LE(fused.rmse_m, 2.0 * alone.rmse_m) << one.name;
+    EXPECT_LE(fused.worst_yaw_rad, 2.0 * alone.worst_yaw_rad) << one.name;
+    EXPECT_LE(fused.yaw_nees_mean, 2.5) << one.name;
+  }
+}
+
+// From 40 s on the second sensor is dark.
+TEST(RoverFaults, OneOfTwoSensorsGoesAway) {
+  RoverTrial trial;
+  trial.lsv[1].lost = {{40.0, 1e6}};
+  const FaultErrors fused = over_seeds(trial, 8);
+  print("second LSV dark from 40 s", fused);
+  EXPECT_LE(fused.rmse_m, 0.05);
+  EXPECT_LE(fused.worst_yaw_rad, 4.0 * kPi / 180.0);
+  EXPECT_LE(fused.nees_mean, 6.0);
 }
 
 }  // namespace
