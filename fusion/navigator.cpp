@@ -143,8 +143,10 @@ SampleStatus Navigator::add(std::size_t sensor, const LsvSample& sample) {
       static_cast<std::int64_t>(sample.interval_s / 2.0 * static_cast<double>(kNsPerS));
   const Stamp middle{sample.stamp.ns - half_ns};
   impl_->begin({middle.ns - half_ns}, sample.stamp);
+  const Eigen::Vector2d v_m_s{sample.vx_m_s, sample.vy_m_s};
+  const Eigen::Vector2d scale_m_s = sensors[sensor].sigma_scale_ratio * v_m_s;
   return impl_->add(middle, [&](fusion::Epoch& epoch) {
-    epoch.lsv[sensor] = {true, {sample.vx_m_s, sample.vy_m_s}, sigmas.cwiseAbs2()};
+    epoch.lsv[sensor] = {true, v_m_s, sigmas.cwiseAbs2() + scale_m_s.cwiseAbs2()};
   });
 }
 

@@ -30,6 +30,10 @@ struct LsvConfig {
   double y_m = kUnknown;        // left
   double yaw_rad = 0.0;         // from body x to sensor x
   double noise_m_s = kUnknown;  // > 0; of a sample that does not say
+  /// Of the scale, [0, 0.1]: each figure of a sample has this share of itself as a further sigma.
+  /// The default is what 0.4 mm make between the distances of laser and sensor, at 100 mm
+  /// (docs/geometry.md).
+  double sigma_scale_ratio = 0.002;
 };
 
 struct GyroConfig {

@@ -195,5 +195,40 @@ TEST(RoverFaults, OneOfTwoSensorsGoesAway) {
   EXPECT_LE(fused.nees_mean, 6.0);
 }
 
+// --- scale
+
+// The second sensor reads too much, and the noise is so small that the sigmas do not cover it.
+TEST(RoverFaults, AScaleMismatchThrowsNoGoodSensorAway) {
+  for (const double ratio : {1.001, 1.005, 1.01}) {
+    RoverTrial trial;
+    for (sim::RoverLsvConfig& sensor : trial.lsv) sensor.noise_m_s = 1e-5;
+    trial.lsv_becomes = [&](std::size_t sensor, LsvSample& sample) {
+      if (sensor == 0) return;
+      sample.vx_m_s *= ratio;
+      sample.vy_m_s *= ratio;
+    };
+    const auto with = [&](double sigma_scale_ratio) {
+      trial.adjust = [=](FusionConfig& config) {
+        for (LsvConfig& sensor : config.lsv) sensor.sigma_scale_ratio = sigma_scale_ratio;
+      };
+      return over_seeds(trial);
+    };
+    // By default half a percent passes; who expects more has to say so.
+    const FaultErrors ignored = with(0.0),
+                      known = with(ratio < 1.006 ? LsvConfig{}.sigma_scale_ratio : 0.005);
+    const auto refused = [](const FaultErrors& errors) {
+      return errors.counters.lsv_refused_by_parity + errors.counters.lsv_refused_by_innovation;
+    };
+    std::printf("second sensor x %.3f, refused %llu without and %llu with sigma_scale_ratio\n",
+                ratio, static_cast<unsigned long long>(refused(ignored)),
+                static_cast<unsigned long long>(refused(known)));
+    print("without", ignored);
+    print("with", known);
+    EXPECT_LE(refused(known), 2U) << ratio;
+    EXPECT_LE(known.rmse_m, 0.030) << ratio;
+    EXPECT_TRUE(ratio < 1.002 || refused(ignored) > 500) << ratio;
+  }
+}
+
 }  // namespace
 }  // namespace lsv
