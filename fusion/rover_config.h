@@ -38,7 +38,9 @@ struct LsvConfig {
 
 struct GyroConfig {
   double noise_rad_s = kUnknown;  // of one reading, > 0
-  double bias_sigma_rad_s = 0.0;  // of the constant that it reads too much, >= 0
+  /// Of the constant that it reads too much, >= 0; 0: there is none. The default is 1.1 deg/s, as
+  /// data sheets of small gyros have it; a standstill or two LSV sensors find it within seconds.
+  double bias_sigma_rad_s = 0.02;
 };
 
 /// At the beginning of the first interval that was measured.

@@ -195,6 +195,20 @@ TEST(RoverFaults, OneOfTwoSensorsGoesAway) {
   EXPECT_LE(fused.nees_mean, 6.0);
 }
 
+// --- gyro
+
+// A bias that nobody mentions is still likely.
+TEST(RoverFaults, AGyroBiasIsFoundThoughTheConfigurationDoesNotMentionIt) {
+  RoverTrial trial;
+  trial.imu = sim::ImuConfig{.gyro_noise_rad_s = 0.002, .gyro_bias_rad_s = 0.02};
+  trial.adjust = [](FusionConfig& config) { config.gyro = GyroConfig{.noise_rad_s = 0.002}; };
+  const FaultErrors two = over_seeds(trial);
+  print("gyro bias of 1.1 deg/s", two);
+  EXPECT_LE(two.rmse_m, 0.010);
+  EXPECT_LE(two.yaw_nees_mean, 3.0);
+  EXPECT_EQ(two.counters.gyro_refused, 0U);
+}
+
 // --- scale
 
 // The second sensor reads too much, and the noise is so small that the sigmas do not cover it.
