@@ -274,6 +274,7 @@ Consistency consistency(const std::function<void(FusionConfig&)>& adjust, double
   trial.lsv_sigma_factor = sigma_factor;
   trial.adjust = [&](FusionConfig& config) {
     config.motion.efficiency_sigma_ratio = 0.05;
+    for (LsvConfig& sensor : config.lsv) sensor.sigma_scale_ratio = 0.0;  // as simulated
     config.start = {.sigma_m = 1e-6, .sigma_yaw_rad = 1e-6};
     adjust(config);
   };

@@ -258,9 +258,10 @@ TEST_F(Fuse, ReadsATrackOfFrames) {
   EXPECT_EQ(json::parse(read_text(out_ + "/summary.json"))["rows_left_out"], 1);
 }
 
-/// One sensor on the axle, said to be hopeless unless its track knows better.
+/// One sensor ahead of the axle, said to be hopeless unless its track knows better; of exact scale.
 constexpr const char* kCoarseRover =
-    "schema = \"lsv.rover/1\"\n[[lsv]]\nx_m = 0.1\ny_m = 0\nnoise_m_s = 1.0\n";
+    "schema = \"lsv.rover/1\"\n[[lsv]]\nx_m = 0.1\ny_m = 0\nnoise_m_s = 1.0\n"
+    "sigma_scale_ratio = 0\n";
 
 class FuseFrames : public Fuse {
  protected:
