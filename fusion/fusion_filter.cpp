@@ -89,8 +89,8 @@ double FusionFilter::slip_scale_m_s(bool is_left, const FilterState& state) {
 }
 
 /// Whatever the rim does: of one that stands still the slip would be known, were it a share.
-void FusionFilter::forget_grip(bool is_left, FilterState& state) {
-  forget(is_left ? kLeft : kRight, kUnknownSpeed_m_s, state.p);
+void FusionFilter::forget_grip(bool is_left, double innovation_m_s, FilterState& state) {
+  forget(is_left ? kLeft : kRight, std::max(kUnknownSpeed_m_s, std::abs(innovation_m_s)), state.p);
 }
 
 void FusionFilter::predict_to(Stamp stamp, FilterState& state) const {
@@ -343,8 +343,8 @@ void FusionFilter::weigh_wheels(const WheelSample& sample, FilterState& state) c
       ++state.counters.grip_opened;
       const bool left = innovation(0) * innovation(0) / s(0, 0) > limits_[1];
       const bool right = innovation(1) * innovation(1) / s(1, 1) > limits_[1];
-      if (left || !right || !is_heading_seen) forget_grip(true, state);
-      if (right || !left || !is_heading_seen) forget_grip(false, state);
+      if (left || !right || !is_heading_seen) forget_grip(true, innovation(0), state);
+      if (right || !left || !is_heading_seen) forget_grip(false, innovation(1), state);
     } else {
       ++state.counters.wheel_steps;
       forget_motion(state);

@@ -84,7 +84,7 @@ class FusionFilter {
   static void jump_in_between(const Eigen::Vector3d& motion_before, double dt_s,
                               FilterState& state);
   static double slip_scale_m_s(bool is_left, const FilterState& state);
-  static void forget_grip(bool is_left, FilterState& state);
+  static void forget_grip(bool is_left, double innovation_m_s, FilterState& state);
   WheelGrip grip(bool is_left, const FilterState& state) const;
   static void update(const Row& row, FilterState& state);
   bool has_optics(const FilterState& state, Stamp now) const;

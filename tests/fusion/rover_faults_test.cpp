@@ -119,6 +119,12 @@ std::vector<WheelFault> wheel_faults() {
              w.right_rad_s *= -1.0;
            },
            0.99},
+          {"counts that overflow", uneven_plan(),
+           [random = std::mt19937_64(7)](double, WheelSample& w) mutable {
+             w.left_rad_s = 1e5 * (static_cast<double>(random() % 3) - 1.0);
+             w.right_rad_s = 1e5 * (static_cast<double>(random() % 3) - 1.0);
+           },
+           0.99},
           {"0 every other time", uneven_plan(),
            [is_odd = false](double, WheelSample& w) mutable {
              is_odd = !is_odd;
