@@ -142,6 +142,8 @@ TEST(RoverFaults, WheelsThatReadWrongCostTwoSensorsNothing) {
     trial.wheels_become = fault.wheels_become;
     const FaultErrors fused = over_seeds(trial);
     print(fault.name, fused);
+    std::printf("%-28s RMSE %7.2f mm, end %7.2f mm\n", "  LSV alone", 1e3 * optics.rmse_m,
+                1e3 * optics.end_m);
     EXPECT_LE(fused.rmse_m, 1.1 * optics.rmse_m + 1e-3) << fault.name;
     EXPECT_LE(fused.end_m, 1.1 * optics.end_m + 2e-3) << fault.name;
     EXPECT_LE(fused.nees_mean, 5.0) << fault.name;
