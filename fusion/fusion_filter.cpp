@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "fusion/chi_square.h"
 
@@ -14,19 +15,22 @@ namespace {
 constexpr double kUnknownSpeed_m_s = 1.0;
 constexpr double kUnknownRate_rad_s = 1.0;
 constexpr double kUnknownAcceleration_m_s2 = 1.0;
-/// Of the efficiency of a wheel that contradicts the motion.
-constexpr double kUnknownGrip = 0.5;
+/// Of the walk of the slip speeds, when LSV sensors see but wheels would decide on the heading.
+constexpr double kLooserGrip = 5.0;
 /// A rim speed that differs by more was commanded otherwise; less than that it is at rest.
 constexpr double kRimSigmas = 5.0;
 constexpr double kRimSmoothing = 0.1;
 /// Wheels that said nothing for so long say nothing any more.
 constexpr double kWheelTimeout_s = 0.5;
+constexpr double kGyroTimeout_s = 0.5;
 
 void forget(int i, double sigma, StateMatrix& p) {
   p.row(i).setZero();
   p.col(i).setZero();
   p(i, i) = sigma * sigma;
 }
+
+double ground_speed_m_s(const StateVector& x) { return std::hypot(x(kVx), x(kVy)); }
 
 /// A row of a sensor is empty but for two or three places.
 StateVector times(const StateMatrix& p, const StateVector& h) {
@@ -43,6 +47,13 @@ FusionFilter::FusionFilter(const FusionConfig& config) : config_(config) {
   for (std::size_t i = 0; i < config_.lsv.size(); ++i) mounts_[i] = lsv_rows(config_.lsv[i]);
   for (std::size_t dof = 1; dof < limits_.size(); ++dof) {
     limits_[dof] = chi_square_limit(config_.gate_probability, static_cast<int>(dof));
+  }
+  for (unsigned set = 0; set < (1U << config_.lsv.size()); ++set) {
+    std::vector<LsvConfig> seeing;
+    for (std::size_t i = 0; i < config_.lsv.size(); ++i) {
+      if ((set >> i & 1U) != 0) seeing.push_back(config_.lsv[i]);
+    }
+    fixes_heading_[set] = mounting_rank(seeing).rank == 3;
   }
 }
 
@@ -70,22 +81,36 @@ void FusionFilter::forget_motion(FilterState& state) const {
   }
 }
 
-void FusionFilter::forget_grip(bool is_left, FilterState& state) const {
-  const double rim_m_s = (is_left ? state.left : state.right).rim_m_s;
-  const double sigma_ratio = std::max(config_.motion.efficiency_sigma_ratio, kUnknownGrip);
-  forget(is_left ? kLeft : kRight, sigma_ratio * std::abs(rim_m_s), state.p);
+/// What the slip speed is likely to be a share of: that of the rim; and where the wheel is dragged,
+/// with a rim that stands still, of itself.
+double FusionFilter::slip_scale_m_s(bool is_left, const FilterState& state) {
+  return std::max(std::abs((is_left ? state.left : state.right).rim_m_s),
+                  std::abs(state.x(is_left ? kLeft : kRight)));
+}
+
+/// Whatever the rim does: of one that stands still the slip would be known, were it a share.
+void FusionFilter::forget_grip(bool is_left, double innovation_m_s, FilterState& state) {
+  forget(is_left ? kLeft : kRight, std::max(kUnknownSpeed_m_s, std::abs(innovation_m_s)), state.p);
 }
 
 void FusionFilter::predict_to(Stamp stamp, FilterState& state) const {
-  const double sigma_ratio = config_.motion.efficiency_sigma_ratio;
+  double sigma_ratio = config_.motion.efficiency_sigma_ratio;
+  // What one sensor sees fits turning, side slip and slip of a wheel alike. Grip changes from one
+  // step to the next where the soil does; a steady grip would make side slip and turning of it.
+  if (has_optics(state, state.stamp) && heading(state, state.stamp) == HeadingSource::wheels)
+    sigma_ratio *= kLooserGrip;
   predict(config_.motion,
-          {sigma_ratio * std::abs(state.left.rim_m_s), sigma_ratio * std::abs(state.right.rim_m_s)},
+          {sigma_ratio * slip_scale_m_s(true, state), sigma_ratio * slip_scale_m_s(false, state)},
           seconds_between(state.stamp, stamp), state.x, state.p);
+  state.path_m += ground_speed_m_s(state.x) * seconds_between(state.stamp, stamp);
   state.stamp = stamp;
 }
 
 void FusionFilter::process(const Epoch& epoch, FilterState& state) const {
+  const double dt_s = seconds_between(state.stamp, epoch.stamp);
+  const bool was_speed_known = state.last_lsv || state.last_wheels;
   predict_to(epoch.stamp, state);
+  const double predicted_m_s = ground_speed_m_s(state.x);
   state.lsv_agreement = state.wheel_agreement = state.gyro_agreement = {};
   state.lsv_refused.fill(false);
   state.lsv_nis.fill(kUnknown);
@@ -93,6 +118,9 @@ void FusionFilter::process(const Epoch& epoch, FilterState& state) const {
   if (epoch.gyro) weigh_gyro(*epoch.gyro, state);
   if (epoch.wheels) weigh_wheels(*epoch.wheels, state);
   if (epoch.standstill) stand_still(*epoch.standstill, state);
+  // Between two samples the mean of the speeds at both; before the first none is known.
+  const double share = was_speed_known ? 0.5 : 1.0;
+  state.path_m += share * (ground_speed_m_s(state.x) - predicted_m_s) * dt_s;
 }
 
 void FusionFilter::update(const Row& row, FilterState& state) {
@@ -169,14 +197,18 @@ void FusionFilter::weigh_lsv(const LsvReadings& readings, FilterState& state) co
         break;
       case LsvVerdict::refused_by_parity:
         ++state.counters.lsv_refused_by_parity;
+        ++state.counters.lsv[i].refused;
         state.lsv_refused[i] = true;
         break;
       case LsvVerdict::refused_by_innovation:
         ++state.counters.lsv_refused_by_innovation;
+        ++state.counters.lsv[i].refused;
         state.lsv_refused[i] = true;
         break;
       case LsvVerdict::believed:
         ++state.counters.lsv_accepted;
+        ++state.counters.lsv[i].accepted;
+        state.counters.lsv[i].last_seen = state.stamp;
         for (int axis = 0; axis < 2; ++axis) {
           Row row;
           row.h.segment<3>(kVx) = mounts_[i].row(axis).transpose();
@@ -204,6 +236,7 @@ void FusionFilter::weigh_gyro(const GyroSample& sample, FilterState& state) cons
     return;
   }
   ++state.counters.gyro_accepted;
+  state.last_gyro = state.stamp;
   update(row, state);
 }
 
@@ -245,8 +278,15 @@ void FusionFilter::follow_rim(double rim_m_s, double variance_m2_s2, bool is_lef
   if (std::abs(usual_m_s) > limit_m_s) {
     const double ratio = rim_m_s / usual_m_s;
     state.x(slip) *= ratio;
-    state.p.row(slip) *= ratio;
-    state.p.col(slip) *= ratio;
+    if (std::abs(rim_m_s) > limit_m_s) {
+      // In proportion, but not exactly: to scale the sigma as well would be to learn the slip from
+      // how it changes.
+      const double sigma_m_s = config_.motion.efficiency_sigma_ratio * (rim_m_s - usual_m_s);
+      state.p(slip, slip) += sigma_m_s * sigma_m_s;
+    } else {
+      state.p.row(slip) *= ratio;
+      state.p.col(slip) *= ratio;
+    }
   } else {
     state.x(slip) = 0.0;
     forget(slip, config_.motion.efficiency_sigma_ratio * std::abs(rim_m_s), state.p);
@@ -260,9 +300,10 @@ void FusionFilter::watch_slip(double rim_m_s, double variance_m2_s2, bool is_lef
   const double ground_m_s = state.x(kVx) - state.x(kWz) * y_m;
   const double ground_variance_m2_s2 =
       state.p(kVx, kVx) - 2.0 * y_m * state.p(kVx, kWz) + y_m * y_m * state.p(kWz, kWz);
-  (is_left ? state.left : state.right)
-      .cusum.add(config_.slip, rim_m_s, ground_m_s,
-                 std::sqrt(ground_variance_m2_s2 + variance_m2_s2));
+  const double sigma_m_s = std::sqrt(ground_variance_m2_s2 + variance_m2_s2);
+  WheelMemory& wheel = is_left ? state.left : state.right;
+  wheel.spins.add(config_.slip, rim_m_s, ground_m_s, sigma_m_s);
+  wheel.skids.add(config_.slip, ground_m_s, rim_m_s, sigma_m_s);
 }
 
 void FusionFilter::weigh_wheels(const WheelSample& sample, FilterState& state) const {
@@ -296,15 +337,23 @@ void FusionFilter::weigh_wheels(const WheelSample& sample, FilterState& state) c
   const Eigen::Vector2d innovation{both[0].innovation, both[1].innovation};
   state.wheel_agreement = {innovation.dot(s.inverse() * innovation), 2};
   if (state.wheel_agreement.nis > limits_[2]) {
-    if (optics) {  // the motion is known: it is the grip that changed
+    const bool is_motion_seen = optics && state.lsv_epochs_refused == 0;
+    const bool is_heading_seen = heading(state, state.stamp) > HeadingSource::wheels;
+    if (is_motion_seen) {  // it is the grip that changed
       ++state.counters.grip_opened;
       const bool left = innovation(0) * innovation(0) / s(0, 0) > limits_[1];
       const bool right = innovation(1) * innovation(1) / s(1, 1) > limits_[1];
-      if (left || !right) forget_grip(true, state);
-      if (right || !left) forget_grip(false, state);
+      if (left || !right || !is_heading_seen) forget_grip(true, innovation(0), state);
+      if (right || !left || !is_heading_seen) forget_grip(false, innovation(1), state);
     } else {
       ++state.counters.wheel_steps;
       forget_motion(state);
+      if (optics && !is_heading_seen) {
+        // One sensor and wheels that jump together: the grip may be any other now. Wheels that have
+        // come to rest still say that the rover has.
+        forget(kLeft, slip_scale_m_s(true, state), state.p);
+        forget(kRight, slip_scale_m_s(false, state), state.p);
+      }
     }
   }
   ++state.counters.wheels_accepted;
@@ -315,7 +364,9 @@ void FusionFilter::weigh_wheels(const WheelSample& sample, FilterState& state) c
 WheelGrip FusionFilter::grip(bool is_left, const FilterState& state) const {
   const WheelMemory& wheel = is_left ? state.left : state.right;
   const int slip = is_left ? kLeft : kRight;
-  WheelGrip out{.is_slipping = wheel.cusum.alarm(), .is_slip_known = state.is_slip_known};
+  WheelGrip out{.is_slipping = wheel.spins.alarm() || wheel.skids.alarm(),
+                .is_skidding = wheel.skids.alarm(),
+                .is_slip_known = state.is_slip_known};
   // Of a wheel that hardly turns there is no ratio.
   const double least_m_s = kRimSigmas * config_.wheels->radius_m * config_.wheels->noise_rad_s;
   if (!(std::abs(wheel.rim_m_s) > least_m_s)) return out;
@@ -328,8 +379,21 @@ bool FusionFilter::has_optics(const FilterState& state, Stamp now) const {
   return state.last_lsv && seconds_between(*state.last_lsv, now) <= config_.optical_timeout_s;
 }
 
-bool FusionFilter::has_wheels(const FilterState& state, Stamp now) const {
+bool FusionFilter::has_wheels(const FilterState& state, Stamp now) {
   return state.last_wheels && seconds_between(*state.last_wheels, now) <= kWheelTimeout_s;
+}
+
+HeadingSource FusionFilter::heading(const FilterState& state, Stamp now) const {
+  unsigned fresh = 0;
+  for (std::size_t i = 0; i < config_.lsv.size(); ++i) {
+    const std::optional<Stamp>& seen = state.counters.lsv[i].last_seen;
+    if (seen && seconds_between(*seen, now) <= config_.optical_timeout_s) fresh |= 1U << i;
+  }
+  if (fixes_heading_[fresh]) return HeadingSource::optics;
+  if (state.last_gyro && seconds_between(*state.last_gyro, now) <= kGyroTimeout_s)
+    return HeadingSource::gyro;
+  if (has_wheels(state, now)) return HeadingSource::wheels;
+  return fresh != 0 ? HeadingSource::side_slip : HeadingSource::nothing;
 }
 
 NavState FusionFilter::describe(const FilterState& state, Stamp now) const {
@@ -342,12 +406,14 @@ NavState FusionFilter::describe(const FilterState& state, Stamp now) const {
   } else {
     out.status = NavStatus::no_motion_source;
   }
+  out.heading = heading(state, now);
   out.x_m = state.x(kX);
   out.y_m = state.x(kY);
   out.yaw_rad = state.x(kYaw);
   out.vx_m_s = state.x(kVx);
   out.vy_m_s = state.x(kVy);
   out.wz_rad_s = state.x(kWz);
+  out.path_m = state.path_m;
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t j = 0; j < 6; ++j) {
       out.cov[i][j] = state.p(static_cast<int>(i), static_cast<int>(j));

@@ -28,7 +28,8 @@ struct Epoch {
 /// Of one wheel, besides its slip speed in the state.
 struct WheelMemory {
   double rim_m_s = 0.0;  // as it turns lately, by the encoder
-  SlipCusum cusum{};
+  SlipCusum spins{};     // faster than the ground passes
+  SlipCusum skids{};     // slower
 };
 
 struct FilterState {
@@ -36,9 +37,11 @@ struct FilterState {
   StateVector x = StateVector::Zero();
   StateMatrix p = StateMatrix::Zero();
   Stamp start{};
+  double path_m = 0.0;
   std::optional<Stamp> last_lsv{};  // accepted
   std::optional<Stamp> last_wheels{};
-  int lsv_epochs_refused = 0;  // in a row
+  std::optional<Stamp> last_gyro{};  // accepted
+  int lsv_epochs_refused = 0;        // in a row
   bool was_odd_in_agreement = false;
   WheelMemory left{};
   WheelMemory right{};
@@ -80,15 +83,18 @@ class FusionFilter {
   void forget_motion(FilterState& state) const;
   static void jump_in_between(const Eigen::Vector3d& motion_before, double dt_s,
                               FilterState& state);
-  void forget_grip(bool is_left, FilterState& state) const;
+  static double slip_scale_m_s(bool is_left, const FilterState& state);
+  static void forget_grip(bool is_left, double innovation_m_s, FilterState& state);
   WheelGrip grip(bool is_left, const FilterState& state) const;
   static void update(const Row& row, FilterState& state);
   bool has_optics(const FilterState& state, Stamp now) const;
-  bool has_wheels(const FilterState& state, Stamp now) const;
+  static bool has_wheels(const FilterState& state, Stamp now);
+  HeadingSource heading(const FilterState& state, Stamp now) const;
 
   FusionConfig config_;
   LsvMounts mounts_{};
   GateLimits limits_{};
+  std::array<bool, 1U << kMaxLsvSensors> fixes_heading_{};  // by the set of sensors, as bits
 };
 
 }  // namespace lsv::fusion

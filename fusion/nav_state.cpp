@@ -17,4 +17,20 @@ std::string_view word(NavStatus status) {
   return "";
 }
 
+std::string_view word(HeadingSource source) {
+  switch (source) {
+    case HeadingSource::nothing:
+      return "nothing";
+    case HeadingSource::side_slip:
+      return "side_slip";
+    case HeadingSource::wheels:
+      return "wheels";
+    case HeadingSource::gyro:
+      return "gyro";
+    case HeadingSource::optics:
+      return "optics";
+  }
+  return "";
+}
+
 }  // namespace lsv

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "fusion/rover_config.h"
@@ -22,13 +23,24 @@ enum class NavStatus {
 };
 std::string_view word(NavStatus status);
 
+/// What tells turning from side slip, lately; the best there is.
+enum class HeadingSource {
+  nothing,    //
+  side_slip,  // what the side slip is taken for: one LSV sensor, or several at one place
+  wheels,     // turning and a change of the grip look alike
+  gyro,       //
+  optics,     // LSV sensors at different places
+};
+std::string_view word(HeadingSource source);
+
 /// Symmetric, rows in the order of the names: x_m, y_m, yaw_rad, vx_m_s, vy_m_s, wz_rad_s.
 using NavCovariance = std::array<std::array<double, 6>, 6>;
 
 struct WheelGrip {
   double efficiency_ratio = kUnknown;  // ground speed / rim speed; NaN for a wheel at rest
   double sigma_ratio = kUnknown;
-  bool is_slipping = false;    // the alarm
+  bool is_slipping = false;    // the alarm: rim and ground differ, either way
+  bool is_skidding = false;    // slower than the ground passes: braked, blocked, or not read at all
   bool is_slip_known = false;  // optics watched the last reading of the wheels
 };
 
@@ -41,12 +53,16 @@ struct Agreement {
 struct NavState {
   Stamp stamp{};
   NavStatus status = NavStatus::not_started;
+  HeadingSource heading = HeadingSource::nothing;
   double x_m = kUnknown;
   double y_m = kUnknown;
   double yaw_rad = kUnknown;  // counts full turns
   double vx_m_s = kUnknown;   // body axes
   double vy_m_s = kUnknown;   // side slip
   double wz_rad_s = kUnknown;
+  /// Travelled since the start: the speed summed over time, without the corrections of the pose. At
+  /// rest it grows with the noise of the speed.
+  double path_m = kUnknown;
   NavCovariance cov{};
   WheelGrip left{};
   WheelGrip right{};
@@ -58,8 +74,16 @@ struct NavState {
   std::array<double, kMaxLsvSensors> lsv_nis{};    // of each sensor, chi-square with 2; NaN: none
 };
 
+/// What became of the samples of one LSV sensor.
+struct LsvUse {
+  std::uint64_t accepted = 0;
+  std::uint64_t refused = 0;
+  std::optional<Stamp> last_seen{};  // the last that was accepted
+};
+
 /// Of samples, from the start. Every refusal has its reason.
 struct FusionCounters {
+  std::array<LsvUse, kMaxLsvSensors> lsv{};  // in the order of FusionConfig::lsv
   std::uint64_t lsv_accepted = 0;
   std::uint64_t lsv_refused_by_parity = 0;      // the sensors contradict each other, this one odd
   std::uint64_t lsv_refused_by_innovation = 0;  // contradicts what was predicted

@@ -13,6 +13,10 @@ namespace {
 /// So that differences of stamps fit as well: 73 years.
 constexpr std::int64_t kFurthest_ns = std::int64_t{1} << 62;
 
+bool is_within_reach(Stamp stamp) {
+  return stamp.ns < kFurthest_ns / 2 && stamp.ns > -kFurthest_ns / 2;
+}
+
 struct Past {
   fusion::Epoch epoch;
   fusion::FilterState after;
@@ -34,6 +38,8 @@ struct Navigator::Impl {
   /// when time goes on, so that samples of one time are weighed once.
   template <typename Put>
   SampleStatus add(Stamp stamp, Put put);
+  /// The start pose belongs to the beginning of what was measured first.
+  void begin(Stamp from, Stamp to);
   void settle();
 
   fusion::FusionFilter filter;
@@ -44,6 +50,7 @@ struct Navigator::Impl {
   fusion::FilterState before{};  // all that the ring holds
   std::size_t settled = 0;       // epochs whose state is computed, from the oldest on
   bool has_begun = false;
+  bool holds_start = true;  // no epoch has left the ring
   std::uint64_t late = 0, too_late = 0, invalid = 0;
 };
 
@@ -55,16 +62,21 @@ void Navigator::Impl::settle() {
   }
 }
 
+void Navigator::Impl::begin(Stamp from, Stamp to) {
+  const bool is_earlier = has_begun && holds_start && from < before.stamp && !(to < before.stamp);
+  if (has_begun && !is_earlier) return;
+  before = filter.start_at(from);
+  has_begun = true;
+  settled = 0;
+}
+
 template <typename Put>
 SampleStatus Navigator::Impl::add(Stamp stamp, Put put) {
-  if (stamp.ns >= kFurthest_ns / 2 || stamp.ns <= -kFurthest_ns / 2) {
+  if (!is_within_reach(stamp)) {
     ++invalid;
     return SampleStatus::invalid;
   }
-  if (!has_begun) {
-    before = filter.start_at(stamp);
-    has_begun = true;
-  }
+  begin(stamp, stamp);
   // The first epoch that is not clearly before the stamp.
   std::size_t at = count;
   while (at > 0 && past(at - 1).epoch.stamp.ns >= stamp.ns - same_time_ns) --at;
@@ -85,6 +97,7 @@ SampleStatus Navigator::Impl::add(Stamp stamp, Put put) {
       }
       settle();
       before = past(0).after;
+      holds_start = false;
       first = (first + 1) % ring.size();
       --count;
       --settled;
@@ -121,14 +134,19 @@ SampleStatus Navigator::add(std::size_t sensor, const LsvSample& sample) {
   };
   const Eigen::Vector2d sigmas{sigma(sample.sigma_vx_m_s), sigma(sample.sigma_vy_m_s)};
   if (!std::isfinite(sample.vx_m_s) || !std::isfinite(sample.vy_m_s) || !sigmas.allFinite() ||
-      !(sigmas.minCoeff() > 0.0) || !(sample.interval_s >= 0.0 && sample.interval_s < 1e9)) {
+      !(sigmas.minCoeff() > 0.0) || !(sample.interval_s >= 0.0 && sample.interval_s < 1e9) ||
+      !is_within_reach(sample.stamp)) {
     ++impl_->invalid;
     return SampleStatus::invalid;
   }
   const auto half_ns =
       static_cast<std::int64_t>(sample.interval_s / 2.0 * static_cast<double>(kNsPerS));
-  return impl_->add({sample.stamp.ns - half_ns}, [&](fusion::Epoch& epoch) {
-    epoch.lsv[sensor] = {true, {sample.vx_m_s, sample.vy_m_s}, sigmas.cwiseAbs2()};
+  const Stamp middle{sample.stamp.ns - half_ns};
+  impl_->begin({middle.ns - half_ns}, sample.stamp);
+  const Eigen::Vector2d v_m_s{sample.vx_m_s, sample.vy_m_s};
+  const Eigen::Vector2d scale_m_s = sensors[sensor].sigma_scale_ratio * v_m_s;
+  return impl_->add(middle, [&](fusion::Epoch& epoch) {
+    epoch.lsv[sensor] = {true, v_m_s, sigmas.cwiseAbs2() + scale_m_s.cwiseAbs2()};
   });
 }
 

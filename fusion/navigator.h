@@ -28,7 +28,8 @@ class Navigator {
   Navigator& operator=(Navigator&&) noexcept;
   ~Navigator();
 
-  /// `sensor`: index into FusionConfig::lsv.
+  /// `sensor`: index into FusionConfig::lsv. The start pose is that of the beginning of what was
+  /// measured first: of the interval of an LSV sample, as long as its epoch can be gone back to.
   SampleStatus add(std::size_t sensor, const LsvSample& sample);
   SampleStatus add(const WheelSample& sample);
   SampleStatus add(const GyroSample& sample);

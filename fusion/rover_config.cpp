@@ -68,6 +68,7 @@ Result<void> validate(const FusionConfig& config) {
     all.push_back({name + "y_m", config.lsv[i].y_m, kAnything});
     all.push_back({name + "yaw_rad", config.lsv[i].yaw_rad, kAnything});
     all.push_back({name + "noise_m_s", config.lsv[i].noise_m_s, kPositive});
+    all.push_back({name + "sigma_scale_ratio", config.lsv[i].sigma_scale_ratio, {0.0, true, 0.1}});
   }
   if (config.gyro) {
     all.push_back({"imu.gyro_noise_rad_s", config.gyro->noise_rad_s, kPositive});

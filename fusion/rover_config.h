@@ -30,13 +30,20 @@ struct LsvConfig {
   double y_m = kUnknown;        // left
   double yaw_rad = 0.0;         // from body x to sensor x
   double noise_m_s = kUnknown;  // > 0; of a sample that does not say
+  /// Of the scale, [0, 0.1]: each figure of a sample has this share of itself as a further sigma.
+  /// The default is what 0.4 mm make between the distances of laser and sensor, at 100 mm
+  /// (docs/geometry.md).
+  double sigma_scale_ratio = 0.002;
 };
 
 struct GyroConfig {
   double noise_rad_s = kUnknown;  // of one reading, > 0
-  double bias_sigma_rad_s = 0.0;  // of the constant that it reads too much, >= 0
+  /// Of the constant that it reads too much, >= 0; 0: there is none. The default is 1.1 deg/s, as
+  /// data sheets of small gyros have it; a standstill or two LSV sensors find it within seconds.
+  double bias_sigma_rad_s = 0.02;
 };
 
+/// At the beginning of the first interval that was measured.
 struct StartConfig {
   double x_m = 0.0;
   double y_m = 0.0;

@@ -6,13 +6,14 @@
 
 namespace lsv::fusion {
 
-void SlipCusum::add(const SlipConfig& config, double rim_m_s, double ground_m_s, double sigma_m_s) {
-  const double forward = rim_m_s < 0.0 ? -1.0 : 1.0;
-  const double lost_m_s = forward * (rim_m_s - ground_m_s);
+void SlipCusum::add(const SlipConfig& config, double faster_m_s, double slower_m_s,
+                    double sigma_m_s) {
+  const double forward = faster_m_s < 0.0 ? -1.0 : 1.0;
+  const double lost_m_s = forward * (faster_m_s - slower_m_s);
   // At least so much: the size of what is only noise is 0.8 sigma on average.
   constexpr double kLeastSigmas = 2.0;
   const double told_m_s =
-      std::max(config.alarm_ratio * std::abs(rim_m_s), kLeastSigmas * sigma_m_s);
+      std::max(config.alarm_ratio * std::abs(faster_m_s), kLeastSigmas * sigma_m_s);
   const double step = (lost_m_s - told_m_s) / sigma_m_s;
   slips_ = std::clamp(slips_ + step, 0.0, config.threshold_sigmas);
   grips_ = std::clamp(grips_ - step, 0.0, config.threshold_sigmas);

@@ -162,6 +162,10 @@ Result<void> FuseOutputs::write_events(const NavState& s) {
     last_status_ = s.status;
     if (Result<void> done = event(s.stamp, "status", word(s.status)); !done) return done;
   }
+  if (s.heading != last_heading_) {
+    last_heading_ = s.heading;
+    if (Result<void> done = event(s.stamp, "heading", word(s.heading)); !done) return done;
+  }
   const std::pair<bool*, std::pair<bool, const char*>> wheels[] = {
       {&left_slipped_, {s.left.is_slipping, "left wheel"}},
       {&right_slipped_, {s.right.is_slipping, "right wheel"}}};

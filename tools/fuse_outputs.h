@@ -43,6 +43,7 @@ class FuseOutputs {
   NavStatus last_status_ = NavStatus::not_started;
   bool left_slipped_ = false;
   bool right_slipped_ = false;
+  HeadingSource last_heading_ = HeadingSource::nothing;
   std::size_t events_ = 0;
   std::string text_;
 };

@@ -49,6 +49,7 @@ Failure read_lsv(const std::string& file, const toml::node& node, FusionConfig& 
     in.required("y_m", sensor.y_m);
     in.optional("yaw_rad", sensor.yaw_rad);
     in.required("noise_m_s", sensor.noise_m_s);
+    in.optional("sigma_scale_ratio", sensor.sigma_scale_ratio);
     if (Failure failure = in.finish()) return failure;
     out.lsv.push_back(std::move(sensor));
   }

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fusion/rover_config.h"
 #include "lsv/core/result.h"
 #include "sim/rover_drive.h"
 #include "sim/rover_sensors.h"
@@ -21,7 +22,7 @@ struct ScenarioSensor {
 
 struct ScenarioImu {
   sim::ImuConfig config;
-  double bias_sigma_rad_s = 0.0;
+  double bias_sigma_rad_s = GyroConfig{}.bias_sigma_rad_s;
 };
 
 /// How fast the speeds of the rover change, for the filter alone.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <random>
 #include <variant>
@@ -58,6 +59,34 @@ TEST(Navigator, DrivesStraight) {
   EXPECT_NEAR(state.left.efficiency_ratio, 1.0, 1e-5);
   EXPECT_NEAR(state.gyro_bias_rad_s, 0.003, 1e-4);
   EXPECT_EQ(nav.counters().lsv_accepted, 402U);
+}
+
+// The pose is corrected to and fro; that is no way travelled.
+TEST(Navigator, ThePathIsWhatTheSpeedSaysAndNotTheCorrectionsOfThePose) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  FusionConfig wheels_only = rover();
+  wheels_only.lsv.clear();
+  FusionConfig one_sensor = rover();
+  one_sensor.lsv.pop_back();
+  for (const FusionConfig& config : {rover(), wheels_only, one_sensor}) {
+    Navigator nav = navigator(config);
+    double poses_m = 0.0;
+    NavState last;
+    for (int k = 0; k <= 2000; ++k) {
+      const Stamp stamp{k * kDt_ns};
+      for (std::size_t i = 0; i < config.lsv.size(); ++i)
+        nav.add(i, lsv_sample(stamp.ns, kSpeed_m_s + 7e-4 * noise(random), 7e-4 * noise(random)));
+      nav.add(WheelSample{stamp, 0.55 + 0.017 * noise(random), 0.55 + 0.017 * noise(random)});
+      const NavState now = nav.state();
+      if (k > 0) poses_m += std::hypot(now.x_m - last.x_m, now.y_m - last.y_m);
+      last = now;
+    }
+    std::printf("path %.4f m (true 5.5), corrections included %.4f m\n", last.path_m, poses_m);
+    EXPECT_NEAR(last.path_m, 5.5, 0.02) << "seed 5";
+    const NavState later = nav.state_at({last.stamp.ns + kNsPerS});
+    EXPECT_NEAR(later.path_m, last.path_m + std::hypot(last.vx_m_s, last.vy_m_s), 1e-3);
+  }
 }
 
 // Turns left about a point on the left; the sensors feel their lever arms.
@@ -131,6 +160,64 @@ TEST(Navigator, OpticsLostAreToldAtOnceAndWheelsCarryOn) {
   EXPECT_GT(std::sqrt(nav.state().cov[0][0]), 2.0 * sigma_m);
   drive(nav, 200, 202);
   EXPECT_EQ(nav.state().status, NavStatus::ok);
+}
+
+// What no longer comes must be told, of each sensor, and what the heading rests on from then on.
+TEST(Navigator, ASensorThatGoesAwayIsTold) {
+  for (const bool has_gyro : {false, true}) {
+    for (const bool has_wheels : {false, true}) {
+      FusionConfig config = rover();
+      if (!has_gyro) config.gyro.reset();
+      if (!has_wheels) config.wheels.reset();
+      Navigator nav = navigator(config);
+      EXPECT_EQ(nav.state().heading, HeadingSource::nothing);
+      drive(nav, 0, 100);
+      EXPECT_EQ(nav.state().heading, HeadingSource::optics);
+      for (int k = 100; k < 200; ++k) {
+        nav.add(0, lsv_sample(k * kDt_ns, kSpeed_m_s));
+        nav.add(WheelSample{{k * kDt_ns}, 0.55, 0.55});
+        nav.add(GyroSample{{k * kDt_ns}, 0.003});
+        if (k > 102) continue;
+        EXPECT_EQ(nav.state().heading == HeadingSource::optics, k < 102) << "within 100 ms";
+      }
+      EXPECT_EQ(nav.state().status, NavStatus::ok);
+      EXPECT_EQ(nav.state().heading, has_gyro     ? HeadingSource::gyro
+                                     : has_wheels ? HeadingSource::wheels
+                                                  : HeadingSource::side_slip);
+      const auto [one, two] = std::pair(nav.counters().lsv[0], nav.counters().lsv[1]);
+      EXPECT_EQ(one.accepted, 200U);
+      EXPECT_EQ(two.accepted, 100U);
+      EXPECT_EQ(one.last_seen->ns, 199 * kDt_ns);
+      EXPECT_EQ(two.last_seen->ns, 99 * kDt_ns);
+      EXPECT_EQ(one.refused + two.refused, 0U);
+      EXPECT_EQ(nav.state_at({199 * kDt_ns + kNsPerS}).heading, HeadingSource::nothing);
+    }
+  }
+}
+
+TEST(Navigator, ASensorThatIsAlwaysRefusedWasNeverSeen) {
+  FusionConfig config = rover();
+  config.lsv.push_back({"c", -0.3, 0.0, 0.0, 7e-4});
+  Navigator nav = navigator(config);
+  for (int k = 0; k < 100; ++k) {
+    for (const std::size_t sensor : {0U, 1U, 2U})
+      nav.add(sensor, lsv_sample(k * kDt_ns, sensor == 2 ? 1.0 : kSpeed_m_s));
+  }
+  EXPECT_EQ(nav.counters().lsv[2].accepted, 0U);
+  EXPECT_EQ(nav.counters().lsv[2].refused, 100U);
+  EXPECT_FALSE(nav.counters().lsv[2].last_seen.has_value());
+  EXPECT_EQ(nav.counters().lsv[0].accepted, 100U);
+}
+
+TEST(Navigator, SensorsAtOnePlaceDoNotSeeTheHeading) {
+  FusionConfig config = rover();
+  config.wheels.reset();
+  config.gyro.reset();
+  config.lsv[1].x_m = config.lsv[0].x_m;
+  config.lsv[1].y_m = config.lsv[0].y_m;
+  Navigator nav = navigator(config);
+  drive(nav, 0, 10);
+  EXPECT_EQ(nav.state().heading, HeadingSource::side_slip);
 }
 
 TEST(Navigator, WithoutAnySourceItSaysSoWithin100Milliseconds) {
@@ -209,11 +296,15 @@ TEST(Navigator, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_EQ(nav.add(StandstillSample{next, 0.0, 1.0}), SampleStatus::invalid);
   EXPECT_EQ(nav.add(2, lsv_sample(next.ns, 0.0)), SampleStatus::unknown_sensor);
   for (const std::int64_t ns :
-       {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()})
+       {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
     EXPECT_EQ(nav.add(GyroSample{{ns}, 0.0}), SampleStatus::invalid);
+    LsvSample far = lsv_sample(ns, 0.0);
+    far.interval_s = 0.1;
+    EXPECT_EQ(nav.add(0, far), SampleStatus::invalid);
+  }
   EXPECT_EQ(nav.state().stamp, before.stamp);
   EXPECT_EQ(nav.state().x_m, before.x_m);
-  EXPECT_EQ(nav.counters().invalid, 14U);
+  EXPECT_EQ(nav.counters().invalid, 16U);
 }
 
 TEST(Navigator, RefusesAnImpossibleRover) {
@@ -232,6 +323,48 @@ TEST(Navigator, WhatIsTooOldIsCountedAndLeftOut) {
   EXPECT_EQ(nav.add(0, lsv_sample(-kDt_ns, 9.0)), SampleStatus::too_late);
   EXPECT_EQ(nav.counters().too_late, 2U);
   EXPECT_EQ(nav.state().x_m, before.x_m);
+}
+
+// Half an interval of way and of turning is not lost, whichever sample comes first.
+TEST(Navigator, TheStartIsWhereTheFirstIntervalBegins) {
+  FusionConfig config = rover();
+  config.gyro.reset();
+  config.start = {.x_m = 1.0, .yaw_rad = 0.3};
+  const double wz_rad_s = 0.1;
+  for (const bool wheels_first : {false, true}) {
+    Navigator nav = navigator(config);
+    const WheelSample wheels{
+        {20'000'000}, (kSpeed_m_s - 0.4 * wz_rad_s) / 0.1, (kSpeed_m_s + 0.4 * wz_rad_s) / 0.1};
+    if (wheels_first) nav.add(wheels);
+    for (std::int64_t k = 1; k <= 100; ++k) {
+      for (std::size_t i = 0; i < 2; ++i) {
+        LsvSample sample = lsv_sample(k * 100'000'000, kSpeed_m_s - wz_rad_s * config.lsv[i].y_m,
+                                      wz_rad_s * config.lsv[i].x_m);
+        sample.interval_s = 0.1;
+        EXPECT_EQ(nav.add(i, sample), SampleStatus::taken);
+      }
+      if (k == 1 && !wheels_first) nav.add(wheels);
+    }
+    // The last sample counts for its middle; its end is one prediction away.
+    const NavState end = nav.state_at({10 * kNsPerS});
+    const double turn_rad = wz_rad_s * 10.0, radius_m = kSpeed_m_s / wz_rad_s;
+    EXPECT_NEAR(end.yaw_rad, 0.3 + turn_rad, 1e-4);
+    EXPECT_NEAR(end.x_m, 1.0 + radius_m * (std::sin(0.3 + turn_rad) - std::sin(0.3)), 1e-4);
+    EXPECT_NEAR(end.y_m, radius_m * (std::cos(0.3) - std::cos(0.3 + turn_rad)), 1e-4);
+    EXPECT_NEAR(end.path_m, 10.0 * kSpeed_m_s, 1e-4);
+  }
+}
+
+TEST(Navigator, TheStartStaysWhenItCannotBeGoneBackTo) {
+  FusionConfig config = rover();
+  config.late_epochs = 10;
+  Navigator nav = navigator(config);
+  drive(nav, 0, 15);
+  LsvSample sample = lsv_sample(15 * kDt_ns, kSpeed_m_s);
+  sample.interval_s = 0.9;  // its middle can, its beginning not
+  const double x_m = nav.state().x_m;
+  EXPECT_EQ(nav.add(0, sample), SampleStatus::taken);
+  EXPECT_NEAR(nav.state().x_m, x_m, 1e-6);
 }
 
 using AnySample = std::variant<LsvSample, WheelSample, GyroSample>;

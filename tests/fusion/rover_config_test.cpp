@@ -42,6 +42,11 @@ TEST(FusionConfig, EveryFigureIsChecked) {
       EXPECT_FALSE(validate(config)) << &field - positive << " " << bad;
     }
   }
+  for (const double bad : {-0.001, 0.11, nan}) {
+    FusionConfig config = good();
+    config.lsv[1].sigma_scale_ratio = bad;
+    EXPECT_FALSE(validate(config)) << bad;
+  }
   FusionConfig config = good();
   config.lsv[0].x_m = nan;
   ASSERT_FALSE(validate(config));

@@ -6,85 +6,18 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <limits>
 #include <random>
 
-#include "fusion/navigator.h"
-#include "sim/rover_drive.h"
-#include "sim/rover_sensors.h"
+#include "tests/fusion/rover_trial.h"
 
 namespace lsv {
 namespace {
 
-constexpr double kStart_rad = 40.0 * 3.14159265358979323846 / 180.0;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// The sand crossing: 120 s, about 5.4 m, a band of sand at 2 < y < 3 with ramps of 1 s.
-sim::RoverPlan sand_plan() {
-  return {.start_yaw_rad = kStart_rad,
-          .step_s = 0.05,
-          .steps = 2400,
-          .commands = {{1e6, 0.55, 0.55}},
-          .patches = {{-kInfinity, kInfinity, 2.0, 3.0, 0.5}},
-          .ramp_s = 1.0};
-}
-
-/// The source's places (p right, q forward): (-0.25, 0.20) and (0.30, 0.35).
-std::vector<sim::RoverLsvConfig> two_sensors() {
-  return {{.place = {.x_m = 0.20, .y_m = 0.25}, .noise_m_s = 7e-4},
-          {.place = {.x_m = 0.35, .y_m = -0.30}, .noise_m_s = 7e-4}};
-}
-
-struct Trial {
-  sim::RoverPlan plan = sand_plan();
-  std::vector<sim::RoverLsvConfig> lsv = two_sensors();
-  bool has_wheels = true;
-  std::optional<sim::ImuConfig> imu{};
-  /// Changes to what the navigator believes.
-  std::function<void(FusionConfig&)> adjust = [](FusionConfig&) {};
-  double lsv_sigma_factor = 1.0;  // that it is told
-};
-
-FusionConfig config_of(const Trial& trial) {
-  FusionConfig out;
-  if (trial.has_wheels) out.wheels = WheelConfig{0.1, 0.8, 0.017, {}};
-  for (const sim::RoverLsvConfig& sensor : trial.lsv)
-    out.lsv.push_back({"", sensor.place.x_m, sensor.place.y_m, sensor.place.yaw_rad,
-                       sensor.noise_m_s * trial.lsv_sigma_factor});
-  if (trial.imu) out.gyro = GyroConfig{trial.imu->gyro_noise_rad_s, 0.01};
-  out.start.yaw_rad = trial.plan.start_yaw_rad;
-  trial.adjust(out);
-  return out;
-}
-
-using Each = std::function<void(const sim::RoverState&, const NavState&)>;
-
-/// Every sample in its turn; `each` sees truth and estimate at every stamp.
-FusionCounters drive(Trial trial, std::uint64_t seed, const Each& each) {
-  trial.plan.seed = seed;
-  Navigator nav = Navigator::create(config_of(trial)).value();
-  const std::vector<sim::RoverState> truth = sim::drive_rover(trial.plan);
-  std::vector<std::vector<sim::RoverLsvReading>> lsv;
-  for (std::size_t i = 0; i < trial.lsv.size(); ++i)
-    lsv.push_back(sim::read_lsv(truth, trial.lsv[i], seed, static_cast<int>(i)));
-  const auto wheels = sim::read_encoders(truth, {.noise_rad_s = 0.017}, seed);
-  const auto imu = sim::read_imu(truth, trial.imu.value_or(sim::ImuConfig{}), seed);
-  for (std::size_t k = 0; k < truth.size(); ++k) {
-    const Stamp stamp{truth[k].time_ns};
-    for (std::size_t i = 0; i < lsv.size(); ++i) {
-      const sim::RoverLsvReading& r = lsv[i][k];
-      if (!r.is_lost) nav.add(i, {.stamp = stamp, .vx_m_s = r.vx_m_s, .vy_m_s = r.vy_m_s});
-    }
-    if (trial.imu) nav.add(GyroSample{stamp, imu[k].wz_rad_s});
-    if (trial.has_wheels) nav.add(WheelSample{stamp, wheels[k].left_rad_s, wheels[k].right_rad_s});
-    each(truth[k], nav.state_at(stamp));
-  }
-  return nav.counters();
-}
-
-double squared_error_m2(const sim::RoverState& truth, const NavState& state) {
-  return std::pow(state.x_m - truth.x_m, 2) + std::pow(state.y_m - truth.y_m, 2);
-}
+using test::drive;
+using test::EachState;
+using test::kInfinity;
+using test::RoverTrial;
+using test::squared_error_m2;
 
 /// Root mean squares over one drive.
 struct DriveErrors {
@@ -103,7 +36,7 @@ struct Result20 {
 };
 
 Result20 over_20_seeds(
-    const Trial& trial, const Each& also = [](const auto&, const auto&) {}) {
+    const RoverTrial& trial, const EachState& also = [](const auto&, const auto&) {}) {
   Result20 out;
   double all = 0.0;
   for (std::size_t i = 0; i < out.seed.size(); ++i) {
@@ -185,8 +118,8 @@ TEST(RoverFusion, CrossesSandWithinTenMillimetres) {
   EXPECT_LE(false_percent, 0.5);
 }
 
-Trial with_outliers() {
-  Trial trial;
+RoverTrial with_outliers() {
+  RoverTrial trial;
   for (sim::RoverLsvConfig& sensor : trial.lsv) {
     sensor.outlier_share = 0.02;
     sensor.outlier_m_s = 0.3;
@@ -207,7 +140,7 @@ TEST(RoverFusion, GrossOutliersCostLittle) {
 
 /// Gates measure in sigmas, and gains know only their ratios: all sigmas 20 times larger and a
 /// limit that is exceeded with 1e-300 open every gate and leave the weights as they are.
-Trial without_gates(Trial trial) {
+RoverTrial without_gates(RoverTrial trial) {
   constexpr double kLarger = 20.0;
   trial.lsv_sigma_factor = kLarger;
   trial.adjust = [](FusionConfig& config) {
@@ -236,7 +169,7 @@ TEST(RoverFusion, WithoutGatesGrossOutliersCostDecimetres) {
 }
 
 TEST(RoverFusion, AStepOfVelocityLocksNothingOut) {
-  Trial trial;
+  RoverTrial trial;
   trial.plan.patches.clear();
   trial.plan.commands = {{40.0, 0.55, 0.55}, {40.0, 0.25, 0.35}, {1e6, 0.6, 0.5}};
   const Result20 result = over_20_seeds(trial);
@@ -249,7 +182,7 @@ TEST(RoverFusion, AStepOfVelocityLocksNothingOut) {
 }
 
 TEST(RoverFusion, SideSlipIsSeenByTwoSensors) {
-  Trial trial;
+  RoverTrial trial;
   trial.plan.patches.clear();
   trial.plan.steps = 1091;
   trial.plan.side_slips = {{15.0, 35.0, 0.003}};
@@ -262,7 +195,7 @@ TEST(RoverFusion, SideSlipIsSeenByTwoSensors) {
 }
 
 TEST(RoverFusion, OpticsLostInSandAreBridgedHonestly) {
-  Trial trial;
+  RoverTrial trial;
   for (sim::RoverLsvConfig& sensor : trial.lsv) sensor.lost = {{70.0, 80.0}};
   int outside = 0, seeds_told_late = 0, recovered_late = 0;
   double worst_m = 0.0;
@@ -334,13 +267,14 @@ Consistency consistency(const std::function<void(FusionConfig&)>& adjust, double
                         std::uint64_t first_seed = 1) {
   constexpr int kSteps = 1600, kSpacing = 40;
   std::array<double, kSteps / kSpacing> nees{}, nis{};
-  Trial trial;
+  RoverTrial trial;
   trial.plan = {
       .step_s = 0.05, .steps = kSteps, .random = sim::RandomDrive{.efficiency_sigma_ratio = 0.05}};
   trial.imu = sim::ImuConfig{.gyro_noise_rad_s = 0.002, .gyro_bias_rad_s = 0.005};
   trial.lsv_sigma_factor = sigma_factor;
   trial.adjust = [&](FusionConfig& config) {
     config.motion.efficiency_sigma_ratio = 0.05;
+    for (LsvConfig& sensor : config.lsv) sensor.sigma_scale_ratio = 0.0;  // as simulated
     config.start = {.sigma_m = 1e-6, .sigma_yaw_rad = 1e-6};
     adjust(config);
   };

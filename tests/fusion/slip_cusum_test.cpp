@@ -36,10 +36,12 @@ TEST(SlipCusum, LessThanTheLimitIsNotTold) {
   EXPECT_EQ(samples_until(cusum, true, kRim_m_s, 0.87 * kRim_m_s), -1);
 }
 
-// A vehicle that is faster than its wheels is pulled, not slipping.
-TEST(SlipCusum, SkiddingIsNoSlip) {
-  SlipCusum cusum;
-  EXPECT_EQ(samples_until(cusum, true, kRim_m_s, 2.0 * kRim_m_s), -1);
+// A vehicle that is faster than its wheels is pulled: that is for the other sum to tell.
+TEST(SlipCusum, TellsOneOfSpinningAndSkidding) {
+  SlipCusum spins, skids;
+  EXPECT_EQ(samples_until(spins, true, kRim_m_s, 2.0 * kRim_m_s), -1);
+  EXPECT_LE(samples_until(skids, true, 2.0 * kRim_m_s, kRim_m_s), 2);
+  EXPECT_TRUE(skids.alarm());
 }
 
 TEST(SlipCusum, NoiseAtRestAndAtSpeedRaisesNoAlarm) {

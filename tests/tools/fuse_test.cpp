@@ -270,9 +270,20 @@ TEST_F(Fuse, ReadsATrackOfFrames) {
   EXPECT_EQ(json::parse(read_text(out_ + "/summary.json"))["rows_left_out"], 1);
 }
 
-/// One sensor on the axle, said to be hopeless unless its track knows better.
+TEST_F(Fuse, TellsWhatTheHeadingRestsOnWhenASensorGoesAway) {
+  ASSERT_EQ(simulate("hard_ground").exit_code, 0);
+  const std::string all_rows = read_text(drive_ + "/lsv_2.csv");
+  write_text(drive_ + "/lsv_2.csv", all_rows.substr(0, all_rows.find("\n20.000000000,") + 1));
+  ASSERT_EQ(fuse(all({lsv(1), lsv(2), wheels()})).exit_code, 0);
+  const std::string events = read_text(out_ + "/events.csv");
+  EXPECT_NE(events.find("0.000000000,heading,optics\n"), std::string::npos);
+  EXPECT_NE(events.find("20.100000000,heading,wheels\n"), std::string::npos);
+}
+
+/// One sensor ahead of the axle, said to be hopeless unless its track knows better; of exact scale.
 constexpr const char* kCoarseRover =
-    "schema = \"lsv.rover/1\"\n[[lsv]]\nx_m = 0.1\ny_m = 0\nnoise_m_s = 1.0\n";
+    "schema = \"lsv.rover/1\"\n[[lsv]]\nx_m = 0.1\ny_m = 0\nnoise_m_s = 1.0\n"
+    "sigma_scale_ratio = 0\n";
 
 class FuseFrames : public Fuse {
  protected:
