@@ -28,6 +28,15 @@ void forget(int i, double sigma, StateMatrix& p) {
   p(i, i) = sigma * sigma;
 }
 
+/// A row of a sensor is empty but for two or three places.
+StateVector times(const StateMatrix& p, const StateVector& h) {
+  StateVector out = StateVector::Zero();
+  for (int i = 0; i < kStates; ++i) {
+    if (h(i) != 0.0) out += h(i) * p.col(i);
+  }
+  return out;
+}
+
 }  // namespace
 
 FusionFilter::FusionFilter(const FusionConfig& config) : config_(config) {
@@ -87,25 +96,21 @@ void FusionFilter::process(const Epoch& epoch, FilterState& state) const {
 }
 
 void FusionFilter::update(const Row& row, FilterState& state) {
-  const StateVector ph = state.p * row.h;
+  const StateVector ph = times(state.p, row.h);
   const double s = row.h.dot(ph) + row.variance;
-  if (!(s > 0.0) || !std::isfinite(s) || !std::isfinite(row.innovation)) {
+  bool is_sound = s > 0.0 && std::isfinite(s) && std::isfinite(row.innovation);
+  // Joseph, (I - K h') P (I - K h')' + r K K', multiplied out: P + K c' + c K'.
+  const StateVector gain = ph / s;
+  const StateVector c = 0.5 * s * gain - ph;
+  for (int i = 0; i < kStates; ++i) {
+    const double variance = state.p(i, i) + 2.0 * gain(i) * c(i);
+    is_sound = is_sound && variance >= 0.0 && std::isfinite(variance);
+  }
+  if (!is_sound) {
     ++state.counters.updates_refused;
     return;
   }
-  const StateVector gain = ph / s;
-  // Joseph, (I - K h') P (I - K h')' + K r K', multiplied out: symmetric whatever is rounded.
-  StateMatrix p = state.p;
-  for (int i = 0; i < kStates; ++i) {
-    for (int j = 0; j <= i; ++j)
-      p(i, j) += s * gain(i) * gain(j) - gain(i) * ph(j) - ph(i) * gain(j);
-    if (!(p(i, i) >= 0.0) || !std::isfinite(p(i, i))) {
-      ++state.counters.updates_refused;
-      return;
-    }
-  }
-  p.triangularView<Eigen::StrictlyUpper>() = p.transpose();
-  state.p = p;
+  for (int i = 0; i < kStates; ++i) state.p.col(i) += c(i) * gain + gain(i) * c;
   state.x += gain * row.innovation;
 }
 
@@ -192,7 +197,7 @@ void FusionFilter::weigh_gyro(const GyroSample& sample, FilterState& state) cons
   row.h(kWz) = row.h(kBias) = 1.0;
   row.innovation = sample.wz_rad_s - row.h.dot(state.x);
   row.variance = config_.gyro->noise_rad_s * config_.gyro->noise_rad_s;
-  const double s = row.h.dot(state.p * row.h) + row.variance;
+  const double s = row.h.dot(times(state.p, row.h)) + row.variance;
   state.gyro_agreement = {row.innovation * row.innovation / s, 1};
   if (state.gyro_agreement.nis > limits_[1]) {
     ++state.counters.gyro_refused;
@@ -284,9 +289,9 @@ void FusionFilter::weigh_wheels(const WheelSample& sample, FilterState& state) c
 
   const std::array both{wheel_row(rim_m_s[0], variance_m2_s2, true, state),
                         wheel_row(rim_m_s[1], variance_m2_s2, false, state)};
-  Eigen::Matrix<double, kStates, 2> h;
-  h << both[0].h, both[1].h;
-  Eigen::Matrix2d s = h.transpose() * state.p * h;
+  const StateVector ph[] = {times(state.p, both[0].h), times(state.p, both[1].h)};
+  Eigen::Matrix2d s;
+  s << both[0].h.dot(ph[0]), both[0].h.dot(ph[1]), both[1].h.dot(ph[0]), both[1].h.dot(ph[1]);
   s.diagonal().array() += variance_m2_s2;
   const Eigen::Vector2d innovation{both[0].innovation, both[1].innovation};
   state.wheel_agreement = {innovation.dot(s.inverse() * innovation), 2};

@@ -2,12 +2,14 @@
 #include "fusion/lsv_judge.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 namespace lsv::fusion {
 namespace {
 
 using Which = std::array<bool, kMaxLsvSensors>;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Of a time: asked again and again for all but one of the sensors.
 class Bench {
@@ -21,49 +23,48 @@ class Bench {
         covariance_(covariance) {}
 
   bool agree(const Which& which) const {
-    const Parity p = parity(stack_of(readings_, mounts_, which));
-    return p.dof <= 0 || p.chi2 <= limit(p.dof);
+    const std::optional<double> ratio = contradiction(which);
+    return !ratio || *ratio <= 1.0;
   }
-  /// Chi-square over its limit.
+  /// Against the prediction: chi-square over its limit.
   double misfit(const Which& which) const {
     const LsvStack stack = stack_of(readings_, mounts_, which);
     return innovation_chi2(stack, motion_, covariance_) / limit(stack.rows);
   }
   /// The sensor without which the others agree and fit the prediction best, if they do.
   std::optional<std::size_t> odd_one(const Which& which) const {
-    if (std::count(which.begin(), which.end(), true) < 2) return std::nullopt;
-    std::optional<std::size_t> odd;
-    double least = 1.0;
-    for (std::size_t i = 0; i < which.size(); ++i) {
-      if (!which[i]) continue;
-      Which rest = which;
-      rest[i] = false;
-      const double misfit_of_rest = misfit(rest);
-      if (misfit_of_rest <= least && agree(rest)) {
-        least = misfit_of_rest;
-        odd = i;
-      }
-    }
-    return odd;
+    return best_without(which,
+                        [&](const Which& rest) { return agree(rest) ? misfit(rest) : kInfinity; });
   }
   /// The sensor without which the others agree best, whatever was predicted.
   std::optional<std::size_t> disagreeing_one(const Which& which) const {
-    std::optional<std::size_t> odd;
+    return best_without(which,
+                        [&](const Which& rest) { return contradiction(rest).value_or(kInfinity); });
+  }
+
+ private:
+  /// Against each other: chi-square over its limit; nothing where they have no figure to spare.
+  std::optional<double> contradiction(const Which& which) const {
+    const Parity p = parity(stack_of(readings_, mounts_, which));
+    return p.dof > 0 ? std::optional(p.chi2 / limit(p.dof)) : std::nullopt;
+  }
+  /// The sensor whose absence leaves the least, if that is within the limit, 1.
+  template <typename Ratio>
+  static std::optional<std::size_t> best_without(const Which& which, Ratio ratio) {
+    if (std::count(which.begin(), which.end(), true) < 2) return std::nullopt;
+    std::optional<std::size_t> best;
     double least = 1.0;
     for (std::size_t i = 0; i < which.size(); ++i) {
       if (!which[i]) continue;
       Which rest = which;
       rest[i] = false;
-      const Parity p = parity(stack_of(readings_, mounts_, rest));
-      if (p.dof > 0 && p.chi2 / limit(p.dof) <= least) {
-        least = p.chi2 / limit(p.dof);
-        odd = i;
+      if (const double of_rest = ratio(rest); of_rest <= least) {
+        least = of_rest;
+        best = i;
       }
     }
-    return odd;
+    return best;
   }
-
- private:
   double limit(int dof) const { return limits_[static_cast<std::size_t>(dof)]; }
 
   const LsvReadings& readings_;

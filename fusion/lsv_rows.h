@@ -16,15 +16,19 @@ using LsvRows = Eigen::Matrix<double, 2, 3>;
 
 LsvRows lsv_rows(const LsvConfig& mount);
 
+/// One figure of a sensor: z = h motion, give or take.
+struct LsvRow {
+  Eigen::Vector3d h;
+  double z;
+  double variance;
+};
+
 /// The readings of one time, stacked; fixed room, so that nothing is allocated.
 inline constexpr int kMostRows = 2 * static_cast<int>(kMaxLsvSensors);
 struct LsvStack {
   int rows = 0;
-  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, kMostRows, 3> h;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostRows, 1> z;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostRows, 1> variance;
+  std::array<LsvRow, kMostRows> row;
 
-  LsvStack();
   void add(const LsvRows& h2, const Eigen::Vector2d& z2, const Eigen::Vector2d& variance2);
 };
 
@@ -37,7 +41,6 @@ struct Parity {
 Parity parity(const LsvStack& stack);
 
 /// What they say against a prediction of the motion with covariance.
-double innovation_chi2(const LsvStack& stack, const Eigen::Vector3d& motion,
-                       const Eigen::Matrix3d& covariance);
+double innovation_chi2(const LsvStack& stack, Eigen::Vector3d motion, Eigen::Matrix3d covariance);
 
 }  // namespace lsv::fusion

@@ -79,6 +79,17 @@ StateMatrix process_noise(const MotionConfig& motion, const SlipSigmas& slip, do
   return q;
 }
 
+/// p f' in place of p. A state goes on by itself and by those behind it in the order of StateIndex,
+/// and most of them not even by these.
+void times_transposed(const StateMatrix& f, StateMatrix& p) {
+  for (int i = 0; i < kStates; ++i) {
+    if (f(i, i) != 1.0) p.col(i) *= f(i, i);
+    for (int j = i + 1; j < kStates; ++j) {
+      if (f(i, j) != 0.0) p.col(i) += f(i, j) * p.col(j);
+    }
+  }
+}
+
 }  // namespace
 
 StateVector step(const MotionConfig& motion, double dt_s, const StateVector& x, StateMatrix& f) {
@@ -136,9 +147,11 @@ void predict(const MotionConfig& motion, const SlipSigmas& slip, double dt_s, St
     const double middle_yaw_rad = x(kYaw) + x(kWz) * step_s / 2.0;
     const StateMatrix q = process_noise(motion, slip, step_s, middle_yaw_rad);
     x = step(motion, step_s, x, f);
-    const StateMatrix fp = f * p;
-    p.noalias() = fp * f.transpose();
+    times_transposed(f, p);
+    p.transposeInPlace();
+    times_transposed(f, p);
     p += q;
+    p.triangularView<Eigen::StrictlyUpper>() = p.transpose();  // not what was rounded
   }
 }
 

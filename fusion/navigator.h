@@ -8,7 +8,7 @@
 // together, and a late one is put where it belongs and all after it is computed again, so that the
 // result does not depend on the order of arrival.
 //
-// Allocates at construction only. One thread at a time. Cost: docs/performance.md.
+// Allocates at construction only. One thread at a time. Cost: docs/fusion.md.
 #pragma once
 
 #include <cstddef>

@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFooter =
     "Columns are read by name: time_s,vx_m_s,vy_m_s for an LSV sensor, in its own axes (optional\n"
-    "sigma_vx_m_s,sigma_vy_m_s,dt_s,status; the CSV of lsv track is one), one --lsv per sensor in\n"
-    "the order of the rover's [[lsv]]; time_s,left_rad_s,right_rad_s for the wheels; "
+    "sigma_vx_m_s,sigma_vy_m_s,dt_s,status,motion; the CSV of lsv track is one), one --lsv per\n"
+    "sensor in the order of the rover's [[lsv]]; time_s,left_rad_s,right_rad_s for the wheels; "
     "time_s,wz_rad_s\n"
     "for the IMU. All on one clock. The rover file holds geometry, mounts and noises\n"
     "(docs/formats.md). Writes pose.csv, pose.tum, pose.jsonl, events.csv, summary.json and\n"

@@ -11,10 +11,12 @@
 #include "lsv/core/shift.h"
 #include "lsv/output/number_text.h"
 #include "lsv/output/output_file.h"
+#include "lsv/output/tum_pose.h"
 #include "tools/commands.h"
 #include "tools/html_page.h"
 #include "tools/part_folder.h"
 #include "tools/rover_scenario.h"
+#include "tools/sensor_axes.h"
 #include "tools/xy_plot.h"
 
 namespace lsv::cli {
@@ -64,18 +66,8 @@ std::string truth_csv(const std::string& head, const std::vector<sim::RoverState
 
 std::string truth_tum(const std::vector<sim::RoverState>& states) {
   std::string out;
-  for (const sim::RoverState& s : states) {
-    append_seconds(out, s.time_ns);
-    for (const double value : {s.x_m, s.y_m}) {
-      out += ' ';
-      append_fixed(out, value, kDecimals);
-    }
-    out += " 0 0 0 ";
-    append_fixed(out, std::sin(s.yaw_rad / 2.0), 12);
-    out += ' ';
-    append_fixed(out, std::cos(s.yaw_rad / 2.0), 12);
-    out += '\n';
-  }
+  for (const sim::RoverState& s : states)
+    append_tum_pose(out, {s.time_ns}, s.x_m, s.y_m, s.yaw_rad);
   return out;
 }
 
@@ -185,9 +177,8 @@ std::string page(const std::string& name, const RoverScenario& scenario, const R
     const double yaw_rad = scenario.lsv[i].config.place.yaw_rad;
     for (const sim::RoverLsvReading& r : readings.lsv[i]) {
       const double known = r.is_lost ? kUnknown : 1.0;
-      sensor.points.push_back(
-          {static_cast<double>(r.time_ns) * 1e-9,
-           known * (std::cos(yaw_rad) * r.vx_m_s - std::sin(yaw_rad) * r.vy_m_s)});
+      sensor.points.push_back({static_cast<double>(r.time_ns) * 1e-9,
+                               known * forward_m_s(r.vx_m_s, r.vy_m_s, yaw_rad)});
     }
     speeds.series.push_back(sensor);
   }

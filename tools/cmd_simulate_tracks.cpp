@@ -237,6 +237,8 @@ Result<void> write_track(const std::string& path, const TracksOptions& o,
       const double dt_s = 1e-9 * static_cast<double>(step.dt_ns);
       step.velocity.vx_m_s = r.dx_m / dt_s;
       step.velocity.vy_m_s = r.dy_m / dt_s;
+      step.velocity.sigma_vx_m_s = o.sigma_px / (x_px_per_m * dt_s);
+      step.velocity.sigma_vy_m_s = o.sigma_px / (y_px_per_m * dt_s);
     }
     step.position = position;
     if (Result<void> done = sink.write(step); !done) return done;

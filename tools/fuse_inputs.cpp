@@ -2,9 +2,11 @@
 #include "tools/fuse_inputs.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -79,7 +81,49 @@ class SampleTable {
   std::optional<std::int64_t> last_ns_;
 };
 
-Result<void> add_lsv(const std::string& path, std::size_t sensor, FuseSamples& out) {
+/// What the tracks say of rest. A rover that turns about the place of one sensor does not stand.
+class RestWords {
+ public:
+  void add(std::size_t sensor, Stamp when, std::string_view motion) {
+    words_[sensor].push_back({when, motion == "moving"});
+    if (motion == "at_rest") rests_.push_back({when, sensor});
+  }
+  /// Of the times at which a sensor is at rest and the last word of no other is that it moves.
+  std::vector<FuseSample> standstills() {
+    for (std::vector<Word>& words : words_) std::ranges::stable_sort(words, {}, time_of);
+    std::vector<FuseSample> out;
+    for (const Rest& rest : rests_) {
+      if (!moves(rest)) out.push_back({rest.when, 0, StandstillSample{.stamp = rest.when}});
+    }
+    return out;
+  }
+
+ private:
+  struct Word {
+    Stamp when;
+    bool moves;
+  };
+  struct Rest {
+    Stamp when;
+    std::size_t sensor;
+  };
+
+  static std::int64_t time_of(const Word& word) { return word.when.ns; }
+  bool moves(const Rest& rest) const {
+    for (std::size_t i = 0; i < words_.size(); ++i) {
+      if (i == rest.sensor) continue;
+      const auto after = std::ranges::upper_bound(words_[i], rest.when.ns, {}, time_of);
+      if (after != words_[i].begin() && std::prev(after)->moves) return true;
+    }
+    return false;
+  }
+
+  std::array<std::vector<Word>, kMaxLsvSensors> words_;
+  std::vector<Rest> rests_;
+};
+
+Result<void> add_lsv(const std::string& path, std::size_t sensor, FuseSamples& out,
+                     RestWords& rest) {
   Result<SampleTable> opened = SampleTable::open(path, {"vx_m_s", "vy_m_s"});
   if (!opened) return opened.error();
   SampleTable& table = opened.value();
@@ -111,10 +155,9 @@ Result<void> add_lsv(const std::string& path, std::size_t sensor, FuseSamples& o
     if (sample.sigma_vx_m_s <= 0.0 || sample.sigma_vy_m_s <= 0.0)
       return table.at(row, "a sigma is not above 0");
     const auto half_ns = static_cast<std::int64_t>(sample.interval_s / 2.0 * 1e9);
-    out.samples.push_back({{sample.stamp.ns - half_ns}, sensor, sample});
-    if (table.text_if_there(row, "motion") == "at_rest")
-      out.samples.push_back(
-          {{sample.stamp.ns - half_ns}, 0, StandstillSample{.stamp = {sample.stamp.ns - half_ns}}});
+    const Stamp when{sample.stamp.ns - half_ns};
+    out.samples.push_back({when, sensor, sample});
+    rest.add(sensor, when, table.text_if_there(row, "motion"));
   }
   return {};
 }
@@ -179,9 +222,11 @@ Result<void> fits(const FuseInputs& inputs, const FusionConfig& config) {
 Result<FuseSamples> read_samples(const FuseInputs& inputs, const FusionConfig& config) {
   if (Result<void> ok = fits(inputs, config); !ok) return ok.error();
   FuseSamples out;
+  RestWords rest;
   for (std::size_t i = 0; i < inputs.lsv.size(); ++i) {
-    if (Result<void> added = add_lsv(inputs.lsv[i], i, out); !added) return added.error();
+    if (Result<void> added = add_lsv(inputs.lsv[i], i, out, rest); !added) return added.error();
   }
+  std::ranges::copy(rest.standstills(), std::back_inserter(out.samples));
   if (!inputs.wheels.empty()) {
     if (Result<void> added = add_wheels(inputs.wheels, out); !added) return added.error();
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lsv/output/number_text.h"
+#include "lsv/output/tum_pose.h"
 
 namespace lsv::cli {
 namespace {
@@ -63,19 +64,6 @@ void append_csv(std::string& out, const NavState& s) {
   append_integer(out, refused_count(s));
   out += ',';
   out += word(s.status);
-  out += '\n';
-}
-
-void append_tum(std::string& out, const NavState& s) {
-  append_seconds(out, s.stamp.ns);
-  for (const double value : {s.x_m, s.y_m}) {
-    out += ' ';
-    append_fixed(out, value, kDecimals);
-  }
-  out += " 0 0 0 ";
-  append_fixed(out, std::sin(s.yaw_rad / 2.0), 12);
-  out += ' ';
-  append_fixed(out, std::cos(s.yaw_rad / 2.0), 12);
   out += '\n';
 }
 
@@ -204,7 +192,7 @@ Result<void> FuseOutputs::write(const FuseRow& row) {
   append_csv(text_, row.state);
   if (Result<void> done = csv_.write(text_); !done) return done;
   text_.clear();
-  append_tum(text_, row.state);
+  append_tum_pose(text_, row.state.stamp, row.state.x_m, row.state.y_m, row.state.yaw_rad);
   if (Result<void> done = tum_.write(text_); !done) return done;
   text_.clear();
   append_json(text_, row.state);

@@ -9,6 +9,7 @@
 #include "fusion/chi_square.h"
 #include "lsv/output/number_text.h"
 #include "tools/html_page.h"
+#include "tools/sensor_axes.h"
 
 namespace lsv::cli {
 namespace {
@@ -92,9 +93,8 @@ void FuseReport::add(const FuseRow& row) {
   }
   for (std::size_t i = 0; i < config_.lsv.size(); ++i) {
     if (!row.lsv[i]) continue;
-    const double yaw_rad = config_.lsv[i].yaw_rad;
     sensor_speed_[i].add(
-        time_s, std::cos(yaw_rad) * row.lsv[i]->vx_m_s - std::sin(yaw_rad) * row.lsv[i]->vy_m_s);
+        time_s, forward_m_s(row.lsv[i]->vx_m_s, row.lsv[i]->vy_m_s, config_.lsv[i].yaw_rad));
   }
   if (s.lsv.dof > 0) lsv_nis_curve_.add(time_s, std::min(kHighestNis, s.lsv.nis / s.lsv.dof));
   if (s.wheels.dof > 0)

@@ -21,7 +21,7 @@ using Failure = std::optional<Error>;
 
 constexpr const char* kSchema = "lsv.scenario/1";
 constexpr std::array kSections = {"schema", "drive",  "command", "patch", "side_slip",
-                                  "random", "wheels", "lsv",     "imu"};
+                                  "random", "wheels", "lsv",     "imu",   "motion"};
 constexpr int kMostSteps = 10'000'000;
 /// Of readings that nobody makes noisy: the filter needs some.
 constexpr double kLeastNoise_rad_s = 1e-3;
@@ -182,6 +182,18 @@ Failure read_imu(const std::string& file, const toml::table* table, RoverScenari
   return in.finish();
 }
 
+Failure read_motion(const std::string& file, const toml::table* table, RoverScenario& out) {
+  if (table == nullptr) return std::nullopt;
+  ScenarioMotion motion;
+  TomlSection in(file, table, "motion");
+  in.required("vx_walk_m_s", motion.vx_walk_m_s);
+  in.required("wz_walk_rad_s", motion.wz_walk_rad_s);
+  check(in, "vx_walk_m_s", motion.vx_walk_m_s, 1e-9, 1e9);
+  check(in, "wz_walk_rad_s", motion.wz_walk_rad_s, 1e-9, 1e9);
+  out.motion = motion;
+  return in.finish();
+}
+
 Error at(const std::string& file, const toml::node& node, const std::string& sentence) {
   return {ErrorCode::bad_input,
           file + ":" + std::to_string(node.source().begin.line) + ": " + sentence};
@@ -197,8 +209,11 @@ Failure read_all(const std::string& file, const toml::table& root, RoverScenario
   if (root["schema"].value_or(std::string()) != kSchema)
     return Error{ErrorCode::bad_input, file + ": schema must be \"" + kSchema + "\""};
   using ReadTable = Failure (*)(const std::string&, const toml::table*, RoverScenario&);
-  constexpr std::pair<const char*, ReadTable> kTables[] = {
-      {"drive", read_drive}, {"wheels", read_wheels}, {"random", read_random}, {"imu", read_imu}};
+  constexpr std::pair<const char*, ReadTable> kTables[] = {{"drive", read_drive},
+                                                           {"wheels", read_wheels},
+                                                           {"random", read_random},
+                                                           {"imu", read_imu},
+                                                           {"motion", read_motion}};
   for (const auto& [name, read] : kTables) {
     const toml::node* const node = root.get(name);
     if (node != nullptr && !node->is_table())
@@ -223,6 +238,8 @@ Failure read_all(const std::string& file, const toml::table& root, RoverScenario
   }
   if (out.plan.random.has_value() == !out.plan.commands.empty())
     return Error{ErrorCode::bad_input, file + ": give [[command]] or [random], one of the two"};
+  if (out.plan.random && out.motion)
+    return Error{ErrorCode::bad_input, file + ": [random] says already what [motion] would"};
   return std::nullopt;
 }
 
@@ -250,7 +267,7 @@ Result<RoverScenario> parse_scenario(const std::string& text, const std::string&
                  file + ":" + std::to_string(parsed.error().source().begin.line) +
                      ": not valid TOML: " + std::string(parsed.error().description())};
   }
-  RoverScenario out{.text = text, .plan = {}, .encoders = {}, .lsv = {}, .imu = {}};
+  RoverScenario out{.text = text, .plan = {}, .encoders = {}, .lsv = {}, .imu = {}, .motion = {}};
   if (Failure failure = read_all(file, parsed.table(), out)) return *failure;
   return out;
 }
@@ -294,6 +311,11 @@ std::string rover_toml(const RoverScenario& scenario) {
   line(out, "x_m", plan.start_x_m);
   line(out, "y_m", plan.start_y_m);
   line(out, "yaw_rad", plan.start_yaw_rad);
+  if (scenario.motion) {
+    out += "\n[motion]\n";
+    line(out, "vx_walk_m_s", scenario.motion->vx_walk_m_s);
+    line(out, "wz_walk_rad_s", scenario.motion->wz_walk_rad_s);
+  }
   if (!plan.random) return out;
   const sim::RandomDrive& random = *plan.random;
   out += "\n[motion]\n";

@@ -24,12 +24,19 @@ struct ScenarioImu {
   double bias_sigma_rad_s = 0.0;
 };
 
+/// How fast the speeds of the rover change, for the filter alone.
+struct ScenarioMotion {
+  double vx_walk_m_s = 0.0;
+  double wz_walk_rad_s = 0.0;
+};
+
 struct RoverScenario {
   std::string text;  // as read
   sim::RoverPlan plan;
   sim::EncoderConfig encoders;
   std::vector<ScenarioSensor> lsv;
   std::optional<ScenarioImu> imu;
+  std::optional<ScenarioMotion> motion;
 };
 
 struct ScenarioName {

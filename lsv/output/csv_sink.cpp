@@ -14,6 +14,8 @@ constexpr int kPixelDecimals = 6;
 constexpr int kZnccDecimals = 6;
 constexpr int kQDecimals = 4;
 constexpr int kMetricDecimals = 9;
+// At a few frames a second a sigma is nanometres a second; 0 would be none.
+constexpr int kSigmaDecimals = 12;
 
 std::string comment(std::string_view key, std::string_view value) {
   std::string line = "# ";
@@ -64,6 +66,10 @@ void append_row(std::string& row, const StepReport& report) {
   cell(report.velocity.vy_m_s, kMetricDecimals);
   cell(report.position.x_m, kMetricDecimals);
   cell(report.position.y_m, kMetricDecimals);
+  cell(report.velocity.sigma_vx_m_s, kSigmaDecimals);
+  cell(report.velocity.sigma_vy_m_s, kSigmaDecimals);
+  row += ',';
+  if (ok && report.motion != MotionState::unknown) row += word(report.motion);
   row += '\n';
 }
 

@@ -14,7 +14,7 @@ namespace lsv {
 
 inline constexpr std::string_view kCsvHeader =
     "frame,time_s,dt_s,dx_px,dy_px,sigma_dx_px,sigma_dy_px,zncc,q,status,"
-    "vx_m_s,vy_m_s,x_m,y_m";
+    "vx_m_s,vy_m_s,x_m,y_m,sigma_vx_m_s,sigma_vy_m_s,motion";
 
 class CsvSink : public TrackSink {
  public:

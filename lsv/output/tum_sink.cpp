@@ -3,12 +3,10 @@
 
 #include <cmath>
 
-#include "lsv/output/number_text.h"
+#include "lsv/output/tum_pose.h"
 
 namespace lsv {
 namespace {
-
-constexpr int kMetricDecimals = 9;
 
 bool has_pose(const StepReport& report) {
   const ShiftStatus status = report.shift.status;
@@ -21,12 +19,7 @@ bool has_pose(const StepReport& report) {
 Result<void> TumSink::write(const StepReport& report) {
   if (!has_pose(report)) return {};
   row_.clear();
-  append_seconds(row_, report.stamp.ns);
-  row_ += ' ';
-  append_fixed(row_, report.position.x_m, kMetricDecimals);
-  row_ += ' ';
-  append_fixed(row_, report.position.y_m, kMetricDecimals);
-  row_ += " 0 0 0 0 1\n";
+  append_tum_pose(row_, report.stamp, report.position.x_m, report.position.y_m);
   return file_.write(row_);
 }
 

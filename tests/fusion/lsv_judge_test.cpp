@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 
@@ -117,6 +118,37 @@ TEST_F(LsvJudge, OneAloneHasNothingButThePrediction) {
   readings_[1].is_there = false;
   EXPECT_EQ(judged().verdict[0], LsvVerdict::refused_by_innovation);
   EXPECT_FALSE(judged().is_jump);
+}
+
+// By the definitions: weighted least squares, and the inverse of the covariance of the innovation.
+TEST_F(LsvJudge, ChiSquaresAreThoseOfTheDefinition) {
+  mount({.x_m = -0.3, .y_m = 0.1, .yaw_rad = -2.0});
+  see(predicted_ + Eigen::Vector3d(0.003, -0.002, 0.004));
+  readings_[1].v_m_s += Eigen::Vector2d(2e-3, -1e-3);
+  readings_[2].variance_m2_s2 *= 9.0;
+  Eigen::Matrix<double, 6, 3> h;
+  Eigen::Matrix<double, 6, 1> z, variance;
+  for (int i = 0; i < 3; ++i) {
+    const auto sensor = static_cast<std::size_t>(i);
+    h.middleRows<2>(2 * i) = mounts_[sensor];
+    z.segment<2>(2 * i) = readings_[sensor].v_m_s;
+    variance.segment<2>(2 * i) = readings_[sensor].variance_m2_s2;
+  }
+  const LsvStack stack = stack_of(readings_, mounts_, {true, true, true});
+
+  const Eigen::Matrix<double, 6, 6> weight = variance.cwiseInverse().asDiagonal();
+  const Eigen::Vector3d best = (h.transpose() * weight * h).inverse() * h.transpose() * weight * z;
+  const Eigen::Matrix<double, 6, 1> residual = z - h * best;
+  EXPECT_EQ(parity(stack).dof, 3);
+  EXPECT_NEAR(parity(stack).chi2, residual.dot(weight * residual), 1e-9);
+
+  Eigen::Matrix3d covariance;
+  covariance << 1e-5, 2e-6, -1e-6, 2e-6, 3e-6, 5e-7, -1e-6, 5e-7, 1e-5;
+  Eigen::Matrix<double, 6, 6> s = h * covariance * h.transpose();
+  s.diagonal() += variance;
+  const Eigen::Matrix<double, 6, 1> innovation = z - h * predicted_;
+  EXPECT_NEAR(innovation_chi2(stack, predicted_, covariance),
+              innovation.dot(s.inverse() * innovation), 1e-9);
 }
 
 TEST_F(LsvJudge, SensorsAtOnePlaceHaveTwoSpeedsInCommon) {

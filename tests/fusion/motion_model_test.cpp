@@ -98,6 +98,27 @@ TEST(MotionModel, DerivativeAgreesWithDifferences) {
   }
 }
 
+// F P F', whatever entries of F are taken for empty.
+TEST(MotionModel, CovarianceGoesWithTheDerivative) {
+  MotionConfig motion = accelerating();
+  motion.vx_walk_m_s = motion.wz_walk_rad_s = motion.vy_sigma_m_s = 0.0;
+  motion.ax_walk_m_s2 = motion.az_walk_rad_s2 = 0.0;
+  motion.vy_time_s = 2.0;
+  StateVector x = state_of(0.9, 0.3, -0.05, 0.7);
+  x(kAx) = 0.2;
+  x(kAz) = -0.3;
+  StateMatrix root, f;
+  for (int i = 0; i < kStates; ++i) {
+    for (int j = 0; j < kStates; ++j) root(i, j) = std::sin(1.0 + i + 3.7 * j);
+  }
+  StateMatrix p = root * root.transpose();
+  (void)step(motion, 0.1, x, f);
+  const StateMatrix expected = f * p * f.transpose();
+  predict(motion, {}, 0.1, x, p);
+  EXPECT_LT((p - expected).cwiseAbs().maxCoeff(), 1e-13 * expected.cwiseAbs().maxCoeff());
+  EXPECT_EQ(p, p.transpose());
+}
+
 // Straight ahead everything is linear, so that one long step and many short ones say the same.
 TEST(MotionModel, CovarianceDoesNotDependOnTheStep) {
   MotionConfig motion = accelerating();

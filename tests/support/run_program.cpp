@@ -55,6 +55,10 @@ std::string read_text(const std::string& path) {
   return text.str();
 }
 
+void write_text(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
 ProgramResult run_program(const std::vector<std::string>& args, const std::string& input,
                           const std::vector<std::string>& environment) {
   const std::string files = testing::TempDir() + unique_name() + "_streams";

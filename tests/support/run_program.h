@@ -24,5 +24,6 @@ ProgramResult run_program(const std::vector<std::string>& args, const std::strin
 std::string fresh_directory();
 
 std::string read_text(const std::string& path);
+void write_text(const std::string& path, const std::string& text);
 
 }  // namespace lsv::test

@@ -14,28 +14,23 @@
 
 #include "tests/support/csv_table.h"
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
 
 using nlohmann::json;
+using test::Args;
+using test::lsv_run;
 using test::ProgramResult;
 using test::read_text;
-
-using Args = std::vector<std::string>;
+using test::with;
 
 const std::string kBase = LSV_SOURCE_DIR "/sample_frames/calibration.toml";
 // 5 counts of offsets on a dark level of 15, so that next to nothing is cut off at 0.
 const Args kSensor = {"--noise-mean",  "15", "--dsnu-counts", "5",  "--prnu-percent", "2",
                       "--hot-pixels",  "30", "--dead-pixels", "30", "--full-well",    "10000",
                       "--sensor-seed", "31"};
-
-Args with(Args args, const Args& more) {
-  args.insert(args.end(), more.begin(), more.end());
-  return args;
-}
-
-ProgramResult lsv_run(const Args& args) { return test::run_program(with({LSV_PROGRAM}, args)); }
 
 std::string flat(const std::string& folder, int light_counts, int frames,
                  const Args& more = kSensor) {

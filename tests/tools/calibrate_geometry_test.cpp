@@ -3,31 +3,27 @@
 // units as typed, what is said for people and for programs, what is refused.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
 
 using nlohmann::json;
+using test::Args;
+using test::expect_one_line_error;
 using test::ProgramResult;
-
-using Args = std::vector<std::string>;
+using test::with;
 
 ProgramResult geometry(const Args& args) {
   Args command = {LSV_PROGRAM, "calibrate", "geometry"};
   command.insert(command.end(), args.begin(), args.end());
   return test::run_program(command);
-}
-
-Args with(Args args, const Args& more) {
-  args.insert(args.end(), more.begin(), more.end());
-  return args;
 }
 
 json geometry_json(const Args& args) {
@@ -183,11 +179,7 @@ TEST(CalibrateGeometry, RefusesInOneLineThatNamesTheOption) {
       {with(kEqualHeights, {"--measured-sc", "2", "--measured-sc-sigma", "nan"}), "is nan"},
   };
   for (const auto& [args, says] : cases) {
-    const ProgramResult result = geometry(args);
-    EXPECT_EQ(result.exit_code, 2) << says;
-    EXPECT_EQ(result.out, "") << says;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(says), std::string::npos) << says << " in " << result.err;
+    expect_one_line_error(geometry(args), 2, says);
   }
 }
 

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "tests/support/csv_table.h"
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
@@ -20,22 +20,15 @@ namespace {
 namespace fs = std::filesystem;
 
 using nlohmann::json;
+using test::Args;
+using test::expect_one_line_error;
+using test::lsv_run;
 using test::ProgramResult;
 using test::read_text;
-
-using Args = std::vector<std::string>;
+using test::with;
+using test::write_text;
 
 const std::string kSampleFrames = LSV_SOURCE_DIR "/sample_frames/drive.tif";
-
-ProgramResult lsv_run(Args args) {
-  args.insert(args.begin(), LSV_PROGRAM);
-  return test::run_program(args);
-}
-
-Args with(Args args, const Args& more) {
-  args.insert(args.end(), more.begin(), more.end());
-  return args;
-}
 
 /// Of 20 s, small, in `folder`/drive.
 ProgramResult simulate(const std::string& folder, const Args& more = {}) {
@@ -63,8 +56,6 @@ ProgramResult mount_both(const std::string& folder, const Args& more = {}) {
 json mount_json(const std::string& folder) {
   return json::parse(read_text(folder + "/out/mount.json"));
 }
-
-void write_text(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 
 double worst_sigmas(const json& found, double x_m, double y_m, double yaw_rad) {
   const auto off = [&found](const char* figure, const char* sigma, double truth) {
@@ -259,11 +250,7 @@ TEST(CalibrateMount, RefusesUsageInOneLine) {
       {with(front, {"--correct-ratio"}), "--correct-ratio needs two sensors"},
   };
   for (const auto& [args, says] : cases) {
-    const ProgramResult result = mount(folder, args);
-    EXPECT_EQ(result.exit_code, 2) << says;
-    EXPECT_EQ(result.out, "") << says;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(says), std::string::npos) << says << " in " << result.err;
+    expect_one_line_error(mount(folder, args), 2, says);
   }
   EXPECT_FALSE(fs::exists(folder + "/out"));
 }
@@ -329,10 +316,7 @@ TEST(CalibrateMount, HostileTablesAreRefusedInOneLine) {
     SCOPED_TRACE(says);
     write_text(path, text);
     const ProgramResult result = mount(folder, sensor(folder, "front"));
-    EXPECT_EQ(result.exit_code, 3) << result.err;
-    EXPECT_EQ(result.out, "");
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(says), std::string::npos) << result.err;
+    expect_one_line_error(result, 3, says);
     EXPECT_NE(result.err.find(fs::path(path).filename().string()), std::string::npos) << result.err;
     EXPECT_FALSE(fs::exists(folder + "/out"));
     write_text(body, good_body);

@@ -3,28 +3,24 @@
 // as typed, what is said for people and for programs, what is refused.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
 
 using nlohmann::json;
+using test::Args;
+using test::expect_one_line_error;
 using test::ProgramResult;
-
-using Args = std::vector<std::string>;
+using test::with;
 
 const std::string kSample = std::string(LSV_SOURCE_DIR) + "/sample_frames/calibration.toml";
-
-Args with(Args args, const Args& more) {
-  args.insert(args.end(), more.begin(), more.end());
-  return args;
-}
 
 /// The example of --help; a later option of the same name would be an error, so `changed` takes the
 /// place of the value that is there.
@@ -180,11 +176,7 @@ TEST(CalibrateNoise, HostileInput) {
       {{{"--push-us", "-1"}}, "--push-us is -1"},
   };
   for (const auto& [changed, says] : cases) {
-    const ProgramResult result = noise(arguments(changed));
-    EXPECT_EQ(result.exit_code, 2) << says << "\n" << result.err;
-    EXPECT_EQ(result.out, "") << says;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(says), std::string::npos) << says << " in " << result.err;
+    expect_one_line_error(noise(arguments(changed)), 2, says);
   }
 }
 

@@ -11,18 +11,15 @@
 #include "tests/lsv/mcap/scratch.h"
 #include "tests/lsv/record/recorded_stream.h"
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
 
+using test::lsv_run;
 using test::ProgramResult;
 
 constexpr std::int64_t kFrames = 1100;  // more than are written at once
-
-ProgramResult lsv_run(std::vector<std::string> args) {
-  args.insert(args.begin(), LSV_PROGRAM);
-  return test::run_program(args);
-}
 
 void write_recording(const std::string& path) {
   RecorderOptions options = test::recorder_options(path);

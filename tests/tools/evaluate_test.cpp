@@ -3,7 +3,6 @@
 // and out, what is said, what is refused.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -11,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "tests/fusion/trajectories.h"
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
@@ -19,34 +20,26 @@ namespace {
 namespace fs = std::filesystem;
 
 using nlohmann::json;
+using test::Args;
+using test::expect_one_line_error;
 using test::ProgramResult;
 using test::read_text;
-
-using Args = std::vector<std::string>;
+using test::with;
+using test::write_text;
 
 ProgramResult evaluate(const Args& args) {
-  Args all = {LSV_PROGRAM, "evaluate"};
-  all.insert(all.end(), args.begin(), args.end());
-  return test::run_program(all);
+  return test::run_program(with({ROVER_PROGRAM, "evaluate"}, args));
 }
 
-json evaluated(Args args) {
-  args.insert(args.end(), {"--json", "-"});
-  const ProgramResult result = evaluate(args);
+json evaluated(const Args& args) {
+  const ProgramResult result = evaluate(with(args, {"--json", "-"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   return json::parse(result.out);
 }
 
-void write_text(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
-
-/// Row `i` of a path with curves, 0.1 s apart.
-struct Row {
-  double time_s, x_m, y_m, yaw_rad;
-};
-Row row_at(int i) {
-  const double way = 0.05 * i;
-  return {0.1 * i, way, 0.5 * std::sin(way), std::atan2(0.5 * std::cos(way), 1.0)};
-}
+/// 0.1 s apart.
+std::vector<TrajectoryPose> poses() { return test::winding(200).poses; }
+double seconds(const TrajectoryPose& pose) { return 1e-9 * static_cast<double>(pose.stamp.ns); }
 
 template <typename... Numbers>
 std::string line(const char* format, Numbers... numbers) {
@@ -63,15 +56,16 @@ void write_files(const std::string& folder) {
       "time_s,x_m,y_m,yaw_rad,cov_xx_m2,cov_xy_m2,cov_yy_m2,cov_xyaw_m_rad,cov_yyaw_m_rad,"
       "cov_yawyaw_rad2\n";
   std::string tum = "# t x y z qx qy qz qw\n", kitti;
-  for (int i = 0; i < 200; ++i) {
-    const Row r = row_at(i);
-    const double c = std::cos(r.yaw_rad), s = std::sin(r.yaw_rad);
-    truth += line("%.9f,%.12f,%.12f,%.12f\n", r.time_s, r.x_m, r.y_m, r.yaw_rad);
-    estimate += line("%.9f,%.12f,%.12f,%.12f,25e-6,0,25e-6,0,0,1e-6\n", r.time_s, r.x_m,
-                     r.y_m + 0.01, r.yaw_rad);
-    tum += line("%.9f %.12f %.12f 0 0 0 %.12f %.12f\n", r.time_s, r.x_m, r.y_m,
-                std::sin(0.5 * r.yaw_rad), std::cos(0.5 * r.yaw_rad));
-    kitti += line("%.12f %.12f 0 %.12f %.12f %.12f 0 %.12f 0 0 1 0\n", c, -s, r.x_m, s, c, r.y_m);
+  for (const TrajectoryPose& pose : poses()) {
+    const double yaw_rad = heading_rad(pose.rotation);
+    const double c = std::cos(yaw_rad), s = std::sin(yaw_rad), time_s = seconds(pose);
+    truth += line("%.9f,%.12f,%.12f,%.12f\n", time_s, pose.x_m, pose.y_m, yaw_rad);
+    estimate += line("%.9f,%.12f,%.12f,%.12f,25e-6,0,25e-6,0,0,1e-6\n", time_s, pose.x_m,
+                     pose.y_m + 0.01, yaw_rad);
+    tum += line("%.9f %.12f %.12f 0 0 0 %.12f %.12f\n", time_s, pose.x_m, pose.y_m, pose.rotation.z,
+                pose.rotation.w);
+    kitti +=
+        line("%.12f %.12f 0 %.12f %.12f %.12f 0 %.12f 0 0 1 0\n", c, -s, pose.x_m, s, c, pose.y_m);
   }
   write_text(folder + "/truth.csv", truth);
   write_text(folder + "/estimate.csv", estimate);
@@ -161,10 +155,11 @@ TEST_F(Evaluate, EveryFormatIsTheSameTrajectory) {
 
 TEST_F(Evaluate, ATrackWithoutYaw) {
   std::string track = "frame,time_s,x_m,y_m,status\n";
-  for (int i = 0; i < 200; ++i) {
-    const Row r = row_at(i);
-    track += i == 7 ? line("%d,%.9f,,,dark\n", i, r.time_s)
-                    : line("%d,%.9f,%.12f,%.12f,ok\n", i, r.time_s, r.x_m + 1.0, r.y_m);
+  int i = 0;
+  for (const TrajectoryPose& pose : poses()) {
+    track += i == 7 ? line("%d,%.9f,,,dark\n", i, seconds(pose))
+                    : line("%d,%.9f,%.12f,%.12f,ok\n", i, seconds(pose), pose.x_m + 1.0, pose.y_m);
+    ++i;
   }
   write_text(path("track.csv"), track);
   const json out = evaluated({path("track.csv"), path("truth.csv")});
@@ -252,11 +247,7 @@ TEST_F(Evaluate, RefusesUsageInOneLine) {
   };
   const std::string before = read_text(estimate);
   for (const auto& [args, says] : cases) {
-    const ProgramResult result = evaluate(args);
-    EXPECT_EQ(result.exit_code, 2) << says;
-    EXPECT_EQ(result.out, "") << says;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(says), std::string::npos) << says << " in " << result.err;
+    expect_one_line_error(evaluate(args), 2, says);
   }
   EXPECT_EQ(read_text(estimate), before);
 }
@@ -277,10 +268,7 @@ TEST_F(Evaluate, HostileFilesAreRefusedInOneLine) {
   };
   for (const auto& [name, text, says] : cases) {
     write_text(path(name), text);
-    const ProgramResult result = evaluate({path(name), path("truth.csv")});
-    EXPECT_EQ(result.exit_code, 3) << says;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_NE(result.err.find(says), std::string::npos) << says << " in " << result.err;
+    expect_one_line_error(evaluate({path(name), path("truth.csv")}), 3, says);
   }
   EXPECT_EQ(evaluate({path("none.csv"), path("truth.csv")}).exit_code, 3);
   EXPECT_EQ(evaluate({folder_, path("truth.csv")}).exit_code, 3);

@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "tests/support/csv_table.h"
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
@@ -19,28 +19,35 @@ namespace {
 namespace fs = std::filesystem;
 
 using nlohmann::json;
+using test::Args;
 using test::CsvTable;
+using test::expect_one_line_error;
+using test::lsv_run;
 using test::ProgramResult;
 using test::read_text;
+using test::with;
+using test::write_text;
 
-using Args = std::vector<std::string>;
+ProgramResult rover_run(const Args& args) { return test::run_program(with({ROVER_PROGRAM}, args)); }
 
-ProgramResult lsv_run(Args args) {
-  args.insert(args.begin(), LSV_PROGRAM);
-  return test::run_program(args);
+// Most tests here and in evaluate_test.cpp start a part of it, which is there faster.
+TEST(RoverProgram, IsPartOfTheWhole) {
+  const auto options = [](const std::string& help) { return help.substr(help.find("Options:")); };
+  for (const Args& command : {Args{"simulate", "rover"}, {"fuse"}, {"evaluate"}}) {
+    const Args args = with(command, {"--help"});
+    const ProgramResult whole = lsv_run(args);
+    EXPECT_EQ(whole.exit_code, 0);
+    EXPECT_EQ(options(whole.out), options(rover_run(args).out));
+  }
 }
-
-void write_text(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 
 class Fuse : public testing::Test {
  protected:
   ProgramResult simulate(const std::string& scenario, const std::string& seed = "1") const {
-    return lsv_run({"simulate", "rover", scenario, "--seed", seed, "-o", drive_});
+    return rover_run({"simulate", "rover", scenario, "--seed", seed, "-o", drive_});
   }
   ProgramResult fuse(const Args& inputs, const std::string& rover = "rover.toml") const {
-    Args args = {"fuse", "--rover", drive_ + "/" + rover, "-o", out_};
-    args.insert(args.end(), inputs.begin(), inputs.end());
-    return lsv_run(args);
+    return rover_run(with({"fuse", "--rover", drive_ + "/" + rover, "-o", out_}, inputs));
   }
   Args lsv(int sensor) const {
     return {"--lsv", drive_ + "/lsv_" + std::to_string(sensor) + ".csv"};
@@ -48,7 +55,7 @@ class Fuse : public testing::Test {
   Args wheels() const { return {"--wheels", drive_ + "/wheels.csv"}; }
   static Args all(const std::vector<Args>& parts) {
     Args out;
-    for (const Args& part : parts) out.insert(out.end(), part.begin(), part.end());
+    for (const Args& part : parts) out = with(out, part);
     return out;
   }
   /// Of the last poses.
@@ -112,7 +119,7 @@ TEST_F(Fuse, TheSameSeedGivesTheSameBytes) {
 }
 
 TEST_F(Fuse, EveryScenarioOfTheProgramRuns) {
-  const ProgramResult list = lsv_run({"simulate", "rover", "--list"});
+  const ProgramResult list = rover_run({"simulate", "rover", "--list"});
   ASSERT_EQ(list.exit_code, 0);
   std::istringstream lines(list.out);
   int scenarios = 0;
@@ -122,18 +129,21 @@ TEST_F(Fuse, EveryScenarioOfTheProgramRuns) {
     const ProgramResult run = simulate(name);
     EXPECT_EQ(run.exit_code, 0) << name << ": " << run.err;
     EXPECT_TRUE(fs::exists(drive_ + "/rover.html")) << name;
+    EXPECT_EQ(read_text(drive_ + "/rover.toml").find("wz_walk_rad_s = 0.3") != std::string::npos,
+              name == "square_sand");
     // And is one that can be given as a file.
-    EXPECT_EQ(lsv_run({"simulate", "rover", drive_ + "/scenario.toml", "-o", folder_ + "/" + name})
-                  .exit_code,
-              0);
+    EXPECT_EQ(
+        rover_run({"simulate", "rover", drive_ + "/scenario.toml", "-o", folder_ + "/" + name})
+            .exit_code,
+        0);
   }
   EXPECT_EQ(scenarios, 10);
 }
 
 TEST_F(Fuse, RefusesScenariosThatAreNone) {
   EXPECT_EQ(simulate("sand").exit_code, 2);
-  EXPECT_EQ(lsv_run({"simulate", "rover", "-o", drive_}).exit_code, 2);
-  EXPECT_EQ(lsv_run({"simulate", "rover", "hard_ground"}).exit_code, 2);
+  EXPECT_EQ(rover_run({"simulate", "rover", "-o", drive_}).exit_code, 2);
+  EXPECT_EQ(rover_run({"simulate", "rover", "hard_ground"}).exit_code, 2);
   const std::string good =
       "schema = \"lsv.scenario/1\"\n[drive]\nstep_s = 0.1\nsteps = 10\n[wheels]\nradius_m = "
       "0.1\ntrack_m = 0.8\n";
@@ -148,15 +158,16 @@ TEST_F(Fuse, RefusesScenariosThatAreNone) {
       {good + command + "[[patch]]\nleft = 1\nsoil = \"A\"\n", "unknown key patch.left"},
       {good + command + "[[lsv]]\nx_m = 1\ny_m = nan\nnoise_m_s = 1\n", "lsv.y_m must be a finite"},
       {good + "[[command]]\nduration_s = 1\n", "command.left_rad_s is missing"},
+      {good + command + "[motion]\nvx_walk_m_s = 1\n", "motion.wz_walk_rad_s is missing"},
+      {good + command + "[motion]\nvx_walk_m_s = 0\nwz_walk_rad_s = 1\n", "motion.vx_walk_m_s"},
+      {good + "[random]\n[motion]\nvx_walk_m_s = 1\nwz_walk_rad_s = 1\n", "[random] says"},
       {good + "command = 3\n", "unknown key wheels.command"},
       {good + command + "steps = = 3", "not valid TOML"}};
   for (const auto& [text, sentence] : wrong) {
     const std::string path = folder_ + "/scenario.toml";
     write_text(path, text);
-    const ProgramResult run = simulate(path);
-    EXPECT_EQ(run.exit_code, 3) << text;
-    EXPECT_NE(run.err.find(sentence), std::string::npos) << run.err;
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    SCOPED_TRACE(text);
+    expect_one_line_error(simulate(path), 3, sentence);
     EXPECT_FALSE(fs::exists(drive_));
   }
 }
@@ -189,10 +200,9 @@ TEST_F(Fuse, RefusesRoversThatAreNone) {
   for (const auto& [text, sentence] : wrong) {
     write_text(drive_ + "/wrong.toml", text);
     const ProgramResult run = fuse(all({lsv(1), lsv(2), wheels()}), "wrong.toml");
-    EXPECT_EQ(run.exit_code, 3) << text;
+    SCOPED_TRACE(text);
+    expect_one_line_error(run, 3, sentence);
     EXPECT_NE(run.err.find("wrong.toml"), std::string::npos) << run.err;
-    EXPECT_NE(run.err.find(sentence), std::string::npos) << run.err;
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     EXPECT_FALSE(fs::exists(out_));
   }
 }
@@ -212,10 +222,8 @@ TEST_F(Fuse, RefusesTablesThatAreNone) {
       {"time_s,vx_m_s,vy_m_s\n0,,\n", "no sample"}};
   for (const auto& [text, sentence] : wrong) {
     write_text(drive_ + "/wrong.csv", text);
-    const ProgramResult run = fuse({"--lsv", drive_ + "/wrong.csv"});
-    EXPECT_EQ(run.exit_code, 3) << text;
-    EXPECT_NE(run.err.find(sentence), std::string::npos) << text << run.err;
-    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    SCOPED_TRACE(text);
+    expect_one_line_error(fuse({"--lsv", drive_ + "/wrong.csv"}), 3, sentence);
     EXPECT_FALSE(fs::exists(out_));
   }
 }
@@ -226,11 +234,11 @@ TEST_F(Fuse, RefusesWhatDoesNotGoTogether) {
   EXPECT_EQ(fuse(all({lsv(1), lsv(2), lsv(1)})).exit_code, 2);
   EXPECT_EQ(fuse(all({wheels(), {"--imu", drive_ + "/wheels.csv"}})).exit_code, 2);
   EXPECT_EQ(fuse({"--wheels", drive_ + "/nothing.csv"}).exit_code, 3);
-  EXPECT_EQ(lsv_run({"fuse", "--wheels", drive_ + "/wheels.csv", "-o", out_}).exit_code, 2);
+  EXPECT_EQ(rover_run({"fuse", "--wheels", drive_ + "/wheels.csv", "-o", out_}).exit_code, 2);
   // Outputs that would be inputs.
   fs::copy(drive_ + "/wheels.csv", drive_ + "/pose.csv");
-  EXPECT_EQ(lsv_run({"fuse", "--wheels", drive_ + "/pose.csv", "--rover", drive_ + "/rover.toml",
-                     "-o", drive_})
+  EXPECT_EQ(rover_run({"fuse", "--wheels", drive_ + "/pose.csv", "--rover", drive_ + "/rover.toml",
+                       "-o", drive_})
                 .exit_code,
             2);
 }
@@ -248,6 +256,84 @@ TEST_F(Fuse, ReadsATrackOfFrames) {
   EXPECT_EQ(pose.text(0, "time_s"), "0.000500000");
   EXPECT_EQ(pose.text(1, "time_s"), "0.002000000");
   EXPECT_EQ(json::parse(read_text(out_ + "/summary.json"))["rows_left_out"], 1);
+}
+
+/// One sensor on the axle, said to be hopeless unless its track knows better.
+constexpr const char* kCoarseRover =
+    "schema = \"lsv.rover/1\"\n[[lsv]]\nx_m = 0.1\ny_m = 0\nnoise_m_s = 1.0\n";
+
+class FuseFrames : public Fuse {
+ protected:
+  /// Simulated frames through `lsv track` into `lsv fuse`, unedited.
+  void drive(const Args& motion) {
+    fs::remove_all(drive_);
+    fs::remove_all(out_);
+    const ProgramResult made =
+        lsv_run(with({"simulate", "speckle", "-o", drive_ + "/frames", "--size", "64x64"}, motion));
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    const ProgramResult tracked =
+        lsv_run({"track", drive_ + "/frames", "--rate-hz", "1000", "--calibration",
+                 LSV_SOURCE_DIR "/sample_frames/calibration.toml", "--csv", drive_ + "/track.csv"});
+    ASSERT_EQ(tracked.exit_code, 0) << tracked.err;
+    write_text(drive_ + "/rover.toml", kCoarseRover);
+    const ProgramResult run = lsv_run(
+        {"fuse", "--rover", drive_ + "/rover.toml", "--lsv", drive_ + "/track.csv", "-o", out_});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  CsvTable track() const { return CsvTable(read_text(drive_ + "/track.csv")); }
+  CsvTable pose() const { return CsvTable(read_text(out_ + "/pose.csv")); }
+  json summary() const { return json::parse(read_text(out_ + "/summary.json")); }
+};
+
+// The speed wanders far more between two frames than the image is unsure of it, so that what the
+// filter believes is what the last image said.
+TEST_F(FuseFrames, TheNoiseIsThatOfTheImage) {
+  double sigma_m_s[2] = {};
+  for (const int noisy : {0, 1}) {
+    ASSERT_NO_FATAL_FAILURE(drive({"--frames", "20", "--profile", "constant", "--speed-px", "1",
+                                   "--noise-sd", noisy == 1 ? "4" : "0.5"}));
+    const CsvTable track = this->track(), pose = this->pose();
+    ASSERT_EQ(pose.rows(), track.rows());
+    const std::size_t last = track.rows() - 1;
+    sigma_m_s[noisy] = track.number(last, "sigma_vx_m_s");
+    EXPECT_NEAR(pose.number(last, "sigma_vx_m_s"), sigma_m_s[noisy], 0.02 * sigma_m_s[noisy]);
+    EXPECT_NEAR(pose.number(last, "vx_m_s"), track.number(last, "vx_m_s"), sigma_m_s[noisy]);
+    EXPECT_EQ(summary()["counters"]["lsv_accepted"], track.rows());
+  }
+  EXPECT_GT(sigma_m_s[1], 3.0 * sigma_m_s[0]);
+}
+
+TEST_F(FuseFrames, ATrackAtRestIsAStandstill) {
+  ASSERT_NO_FATAL_FAILURE(drive({"--frames", "60", "--profile", "parked"}));
+  const CsvTable track = this->track();
+  int at_rest = 0;
+  for (std::size_t i = 0; i < track.rows(); ++i) at_rest += track.text(i, "motion") == "at_rest";
+  EXPECT_EQ(at_rest, 10);
+  EXPECT_EQ(summary()["counters"]["standstills"], at_rest);
+  // Which one sensor alone cannot tell.
+  EXPECT_LT(pose().number(track.rows() - 1, "sigma_wz_rad_s"), 1.1e-4);
+}
+
+// A rover that turns about the place of one sensor.
+TEST_F(FuseFrames, OneSensorAtRestIsNoStandstillWhileAnotherMoves) {
+  fs::create_directories(drive_);
+  write_text(drive_ + "/rover.toml",
+             std::string(kCoarseRover) + "[[lsv]]\nx_m = -0.1\ny_m = 0\nnoise_m_s = 0.001\n");
+  const auto standstills = [&](const std::string& others_motion) {
+    fs::remove_all(out_);
+    std::string pivot = "time_s,vx_m_s,vy_m_s,sigma_vx_m_s,sigma_vy_m_s,motion\n", other = pivot;
+    for (const char* const time_s : {"0.1", "0.2", "0.3"}) {
+      pivot += time_s + std::string(",0,0,0.001,0.001,at_rest\n");
+      other += time_s + std::string(",0,0.02,0.001,0.001,") + others_motion + "\n";
+    }
+    write_text(drive_ + "/1.csv", pivot);
+    write_text(drive_ + "/2.csv", other);
+    EXPECT_EQ(fuse({"--lsv", drive_ + "/1.csv", "--lsv", drive_ + "/2.csv"}).exit_code, 0);
+    return summary()["counters"]["standstills"].get<int>();
+  };
+  EXPECT_EQ(standstills("moving"), 0);
+  EXPECT_EQ(standstills("at_rest"), 3);
+  EXPECT_EQ(standstills(""), 3);
 }
 
 }  // namespace

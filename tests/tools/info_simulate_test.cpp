@@ -10,19 +10,16 @@
 
 #include "tests/support/csv_table.h"
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 
 namespace lsv {
 namespace {
 
+using test::lsv_run;
 using test::ProgramResult;
 using test::read_text;
 
 const std::string kSamples = LSV_SOURCE_DIR "/sample_frames";
-
-ProgramResult lsv_run(std::vector<std::string> args) {
-  args.insert(args.begin(), LSV_PROGRAM);
-  return test::run_program(args);
-}
 
 ProgramResult simulate(std::vector<std::string> args) {
   args.insert(args.begin(), {"simulate", "speckle"});

@@ -4,7 +4,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -17,17 +16,14 @@
 #include "tests/support/calibration.h"
 #include "tests/support/csv_table.h"
 #include "tests/support/run_program.h"
+#include "tests/tools/run_lsv.h"
 #include "tools/replay_check.h"
 
 namespace lsv {
 namespace {
 
+using test::lsv_run;
 using test::ProgramResult;
-
-ProgramResult lsv_run(std::vector<std::string> args) {
-  args.insert(args.begin(), LSV_PROGRAM);
-  return test::run_program(args);
-}
 
 constexpr int kExposures = 59;
 

@@ -32,18 +32,19 @@ std::vector<std::string> table_of(const std::string& csv) {
 TEST(CsvSink, HeaderIsExactlyThis) {
   EXPECT_EQ(table_of(csv_of(sample_reports()))[0],
             "frame,time_s,dt_s,dx_px,dy_px,sigma_dx_px,sigma_dy_px,zncc,q,status,"
-            "vx_m_s,vy_m_s,x_m,y_m");
+            "vx_m_s,vy_m_s,x_m,y_m,sigma_vx_m_s,sigma_vy_m_s,motion");
 }
 
 TEST(CsvSink, AnAcceptedRowIsExactlyThis) {
-  EXPECT_EQ(table_of(csv_of(sample_reports()))[1],
-            "1,0.010000000,0.010000000,1.500000,-2.250000,0.050000,0.060000,0.875000,9.5000,ok,"
-            "0.100000000,-0.200000000,0.001000000,-0.002000000");
+  EXPECT_EQ(
+      table_of(csv_of(sample_reports()))[1],
+      "1,0.010000000,0.010000000,1.500000,-2.250000,0.050000,0.060000,0.875000,9.5000,ok,"
+      "0.100000000,-0.200000000,0.001000000,-0.002000000,0.001000000000,0.002000000000,moving");
 }
 
 TEST(CsvSink, ARefusedRowHasEmptyNumbers) {
   EXPECT_EQ(table_of(csv_of(sample_reports()))[2],
-            "2,0.020000000,0.010000000,,,,,,,below_q_gate,,,,");
+            "2,0.020000000,0.010000000,,,,,,,below_q_gate,,,,,,,");
 }
 
 TEST(CsvSink, OneRowPerFrameAfterTheFirst) {
@@ -51,7 +52,7 @@ TEST(CsvSink, OneRowPerFrameAfterTheFirst) {
   const std::vector<std::string> table = table_of(csv);
   ASSERT_EQ(table.size(), 1U + 4U);
   EXPECT_TRUE(table[3].starts_with("5,"));  // after a hole of two frames
-  for (const std::string& line : table) EXPECT_EQ(split(line, ',').size(), 14U) << line;
+  for (const std::string& line : table) EXPECT_EQ(split(line, ',').size(), 17U) << line;
   EXPECT_TRUE(csv.ends_with('\n'));
   EXPECT_EQ(csv.find('\r'), std::string::npos);
 }
@@ -66,11 +67,12 @@ TEST(CsvSink, NeverPrintsNanOrInfinity) {
   reports[1].shift.cov = {-1.0, kUnknown, kUnknown};
   reports[1].shift.quality = {kUnknown, INFINITY, kUnknown, kUnknown};
   reports[1].velocity = {};
+  reports[1].motion = MotionState::unknown;
   RunInfo info = sample_run();
   info.config.calibration = {};
   const std::string csv = csv_of(reports, info);
   EXPECT_EQ(table_of(csv)[1],
-            "1,0.010000000,0.010000000,1.500000,-2.250000,,,,,ok,,,0.001000000,-0.002000000");
+            "1,0.010000000,0.010000000,1.500000,-2.250000,,,,,ok,,,0.001000000,-0.002000000,,,");
   for (const std::string& line : split(csv, '\n')) {
     EXPECT_EQ(line.find("nan"), std::string::npos) << line;
     EXPECT_EQ(line.find("inf"), std::string::npos) << line;

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "lsv/output/tum_pose.h"
 #include "tests/lsv/output/track_samples.h"
 
 namespace lsv {
@@ -32,6 +35,14 @@ TEST(TumSink, EightColumnsAndNothingElse) {
 TEST(TumSink, EpochStampsKeepEveryNanosecond) {
   EXPECT_TRUE(
       tum_of({first_report(1'700'000'000'000'000'001)}).starts_with("1700000000.000000001 "));
+}
+
+// By 240 degrees: w is below 0.
+TEST(TumPose, TurnsAboutZ) {
+  std::string line = "kept\n";
+  append_tum_pose(line, {1'500'000'001}, 1.0, -2.0, 4.0 * std::acos(-1.0) / 3.0);
+  EXPECT_EQ(line,
+            "kept\n1.500000001 1.000000000 -2.000000000 0 0 0 0.866025403784 -0.500000000000\n");
 }
 
 TEST(TumSink, AnUnknownPositionWritesNoPose) {
