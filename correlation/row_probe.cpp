@@ -14,7 +14,7 @@ namespace {
 constexpr int kLeastHalf_px = 12;
 // Both steps are odd, so that both fields of interlaced frames are probed. A glance at few rows
 // will do for most frames; the others are looked at more closely.
-constexpr int kGlanceRows = 20;
+constexpr int kGlanceRows = 10;
 constexpr int kLeastStep_px = 3;
 // With fewer rows nothing stands out from chance.
 constexpr int kLeastRows = 12;
@@ -110,15 +110,19 @@ int rows_at(int height_px, int step_px) { return (height_px + step_px - 1) / ste
 
 /// Lagrange, five points: the value at -fraction.
 std::array<std::int16_t, kernels::kProbeTaps> interpolation_weights(double fraction_px) {
+  // Product of the distances of a point from the others.
+  constexpr std::array<double, kernels::kProbeTaps> kDistances{24.0, -6.0, 4.0, -6.0, 24.0};
+  static_assert(kernels::kProbeReach_px == 2);
   const double at = -std::clamp(fraction_px, -1.0, 1.0);
   std::array<std::int16_t, kernels::kProbeTaps> out{};
   for (int i = 0; i < kernels::kProbeTaps; ++i) {
-    double weight = 1.0;
+    double weight = 32768.0;
     for (int k = 0; k < kernels::kProbeTaps; ++k) {
-      if (k != i) weight *= (at - (k - kernels::kProbeReach_px)) / (i - k);
+      if (k != i) weight *= at - (k - kernels::kProbeReach_px);
     }
-    out[static_cast<std::size_t>(i)] =
-        static_cast<std::int16_t>(std::min(32767L, std::lround(32768.0 * weight)));
+    const auto place = static_cast<std::size_t>(i);
+    out[place] =
+        static_cast<std::int16_t>(std::min(32767L, std::lround(weight / kDistances[place])));
   }
   return out;
 }
