@@ -36,10 +36,9 @@ class Tracker {
  public:
   Tracker(const FrameFormat& format, Refinement refinement, double noise_sd_counts);
 
-  /// Pixels of the sensor that show nothing, row-major, not 0 where they are; used by IC-GN.
-  void set_holes(const std::vector<std::uint8_t>& is_hole) {
-    if (refinement_ == Refinement::icgn) icgn_.set_holes(is_hole);
-  }
+  /// Pixels of the sensor that show nothing, row-major, not 0 where they are. IC-GN leaves them
+  /// out; rows that have some are not alike anyway, so with holes no rows are compared.
+  void set_holes(const std::vector<std::uint8_t>& is_hole);
 
   /// Makes `reference` from `frame`, with weights for the speckle size found in it.
   void build(const TrackFrame& frame, TrackReference& reference) const;
@@ -58,6 +57,7 @@ class Tracker {
   double noise_sd_counts_;
   IcGn icgn_;
   RowProbe row_probe_;
+  bool has_holes_ = false;
 };
 
 }  // namespace lsv
