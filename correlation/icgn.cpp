@@ -37,8 +37,10 @@ constexpr double kUndersampledSpeckle_px = 2.1;  // where it is that large; e ti
 constexpr double kUndersamplingDecay_px = 0.22;
 // Boiling that is less than this many standard deviations of its estimate is taken for noise.
 constexpr double kBoilingFromSigmas = 0.5;
-// Boiling of speckle intensity against that of a Gaussian pattern of the same autocovariance.
-constexpr double kBoilingFactor = 1.45;
+// Boiling of speckle intensity against that of a Gaussian pattern of the same autocovariance, while
+// little has boiled. What of the residual goes with the brightness of the pattern adds the excess
+// over 1; what is new speckle altogether adds none.
+constexpr double kBoilingExcess = 0.46;
 
 struct Matrix2 {
   double xx = 0.0, xy = 0.0, yy = 0.0;
@@ -71,6 +73,14 @@ kernels::FixedWeights fixed_weights(const KernelWeights& weights) {
   }
   out[largest] = static_cast<std::int16_t>(std::min(rest, 32767));
   return out;
+}
+
+/// Circular Gaussian fields that correlate to c in intensity: given the earlier intensity I, the
+/// later one has the variance 2 c (1 - c) I <I> + (1 - c)^2 <I>^2 (Goodman), of which the first part
+/// is the share 2 c / (1 + c).
+double boiling_factor(double boiling_ratio) {
+  const double c = 1.0 / std::sqrt(1.0 + boiling_ratio);
+  return 1.0 + kBoilingExcess * 2.0 * c / (1.0 + c);
 }
 
 double derivative_noise_gain(const SpeckleKernel& kernel) {
@@ -313,8 +323,8 @@ Refined IcGn::refine(const TrackReference& reference, const TrackFrame& later, c
   };
   out.noise_cov.xx_px2 += model_variance(peak.shape.xx_px2);
   out.noise_cov.yy_px2 += model_variance(peak.shape.yy_px2);
-  out.boiling_cov = scaled(kBoilingFactor * std::numbers::pi / 2.0 * peak_width_px2(peak.shape) *
-                           variance.boiling_counts2);
+  out.boiling_cov = scaled(boiling_factor(out.boiling_ratio) * std::numbers::pi / 2.0 *
+                           peak_width_px2(peak.shape) * variance.boiling_counts2);
   out.dx_px = fit.dx_px;
   out.dy_px = fit.dy_px;
   // Of the later frame at the shift: what the reference explains of its spread.

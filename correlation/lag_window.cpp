@@ -105,6 +105,7 @@ void fill(kernels::Plane<const Pixel> earlier, kernels::Plane<const Pixel> later
   out.gain = spread_a > 0.0 && spread_b > 0.0 ? std::sqrt(spread_b / spread_a) : 1.0;
   out.offset_counts = (static_cast<double>(b[4].sum) - out.gain * static_cast<double>(a.sum)) / n *
                       static_cast<double>(1 << drop_bits);
+  out.earlier_mean_counts = static_cast<double>(a.sum) / n * static_cast<double>(1 << drop_bits);
   out.overlap_px = n;
 }
 

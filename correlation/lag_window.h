@@ -20,6 +20,7 @@ struct LagWindow {
   // Of the middle lag: later pixel = gain * earlier pixel + offset, by spread and mean.
   double gain = 1.0;
   double offset_counts = 0.0;
+  double earlier_mean_counts = 0.0;
 };
 
 /// The window around one lag, not climbed. False when less than kMinOverlap_px columns or rows

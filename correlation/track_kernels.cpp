@@ -203,6 +203,167 @@ LagProducts LagProducts16(Plane<const std::uint16_t> earlier, Plane<const std::u
   return LagProductsOf(earlier, later, width_px, height_px, drop_bits);
 }
 
+// ------------------------------------------------------------------------------------ probed rows
+
+/// Pixels in steps of kProbeBits.
+HWY_INLINE hn::Vec<ShortTag> LoadProbe(ShortTag d, const std::uint8_t* p, int, int) {
+  return hn::ShiftLeft<kProbeBits - 8>(
+      hn::PromoteTo(d, hn::LoadU(hn::Rebind<std::uint8_t, ShortTag>(), p)));
+}
+HWY_INLINE hn::Vec<ShortTag> LoadProbe(ShortTag d, const std::uint16_t* p, int left, int right) {
+  const hn::RebindToUnsigned<ShortTag> du;
+  return hn::BitCast(d, hn::ShiftRightSame(hn::ShiftLeftSame(hn::LoadU(du, p), left), right));
+}
+
+/// As many vectors of sums as a vector has lanes, one after the other, become the totals of each.
+HWY_INLINE void Totals(WideTag d, std::int32_t* HWY_RESTRICT sums) {
+#if HWY_TARGET != HWY_SCALAR
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t vectors = lanes; vectors > 1; vectors /= 2) {
+    for (std::size_t i = 0; i < vectors; i += 2) {
+      const auto a = hn::Load(d, sums + i * lanes), b = hn::Load(d, sums + (i + 1) * lanes);
+      hn::Store(hn::Add(hn::ConcatEven(d, b, a), hn::ConcatOdd(d, b, a)), d, sums + i / 2 * lanes);
+    }
+  }
+#else
+  (void)d, (void)sums;
+#endif
+}
+
+constexpr int kProbeSums = sizeof(ProbeHalf) / sizeof(std::int32_t);
+/// Room for the vectors of both halves, and to make them a whole number of Totals().
+constexpr std::size_t kProbeVectors = 2 * kProbeSums + hn::MaxLanes(WideTag());
+
+template <typename Pixel>
+HWY_INLINE void ProbeHalfOf(const std::int16_t* HWY_RESTRICT along_y,
+                            const Pixel* HWY_RESTRICT earlier_above,
+                            const Pixel* HWY_RESTRICT earlier_below, Plane<const Pixel> later,
+                            int width_px, const ProbeMap& map, std::int32_t* HWY_RESTRICT sums) {
+  const ShortTag d;
+  const WideTag dw;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int left = std::max(0, kProbeBits - map.bit_depth);
+  const int right = std::max(0, map.bit_depth - kProbeBits);
+  const auto load = [&](const Pixel* p) { return LoadProbe(d, p, left, right); };
+  constexpr std::int16_t kLargest = 2047;
+  const auto largest = hn::Set(d, kLargest), least = hn::Set(d, std::int16_t{-kLargest});
+  const auto clamped = [&](hn::Vec<ShortTag> v) { return hn::Min(hn::Max(v, least), largest); };
+  const auto w0 = hn::Set(d, map.weights_x[0]), w1 = hn::Set(d, map.weights_x[1]);
+  const auto w2 = hn::Set(d, map.weights_x[2]), w3 = hn::Set(d, map.weights_x[3]);
+  const auto w4 = hn::Set(d, map.weights_x[4]), gain = hn::Set(d, map.gain_2048);
+  const auto earlier_mean = hn::Set(d, map.earlier_mean), later_mean = hn::Set(d, map.later_mean);
+  const auto one = hn::Set(d, std::int16_t{1});
+  const Pixel* HWY_RESTRICT const above = later.at(0, -1);
+  const Pixel* HWY_RESTRICT const level = later.at(0, 0);
+  const Pixel* HWY_RESTRICT const below = later.at(0, 1);
+  auto rx = hn::Zero(dw), ry = rx, xx = rx, xy = rx, yy = rx;
+  auto rr = rx, rp = rx, pp = rx, sr = rx, sp = rx;
+  for (int x = 0; x < width_px; x += lanes) {
+    const auto scaled = [&](hn::Vec<ShortTag> a) { return hn::MulFixedPoint15(a, gain); };
+    const auto gx_all = hn::SaturatedAdd(
+        hn::Sub(load(level + x + 1), load(level + x - 1)),
+        scaled(hn::Sub(hn::LoadU(d, along_y + x + 1), hn::LoadU(d, along_y + x - 1))));
+    const auto gy_all = hn::SaturatedAdd(
+        hn::Sub(load(below + x), load(above + x)),
+        scaled(hn::ShiftLeft<4>(hn::Sub(load(earlier_below + x), load(earlier_above + x)))));
+    auto gx = clamped(gx_all), gy = clamped(gy_all);
+    const auto outer = hn::Add(hn::MulFixedPoint15(hn::LoadU(d, along_y + x - 2), w0),
+                               hn::MulFixedPoint15(hn::LoadU(d, along_y + x + 2), w4));
+    const auto inner = hn::Add(hn::MulFixedPoint15(hn::LoadU(d, along_y + x - 1), w1),
+                               hn::MulFixedPoint15(hn::LoadU(d, along_y + x + 1), w3));
+    const auto weighted =
+        hn::Add(hn::Add(outer, inner), hn::MulFixedPoint15(hn::LoadU(d, along_y + x), w2));
+    auto p = clamped(hn::Sub(hn::MulFixedPoint15(weighted, gain), earlier_mean));
+    auto r = clamped(hn::Sub(hn::Sub(load(level + x), later_mean), p));
+    auto ones = one;
+    if (x + lanes > width_px) {
+      const auto inside = hn::FirstN(d, static_cast<std::size_t>(width_px - x));
+      gx = hn::IfThenElseZero(inside, gx), gy = hn::IfThenElseZero(inside, gy);
+      p = hn::IfThenElseZero(inside, p), r = hn::IfThenElseZero(inside, r);
+      ones = hn::IfThenElseZero(inside, one);
+    }
+    rx = AddProducts(r, gx, rx), ry = AddProducts(r, gy, ry);
+    xx = AddProducts(gx, gx, xx), xy = AddProducts(gx, gy, xy), yy = AddProducts(gy, gy, yy);
+    rr = AddProducts(r, r, rr), rp = AddProducts(r, p, rp), pp = AddProducts(p, p, pp);
+    sr = AddProducts(r, ones, sr), sp = AddProducts(p, ones, sp);
+  }
+  const std::size_t step = hn::Lanes(dw);
+  // In the order of ProbeHalf.
+  hn::Store(rx, dw, sums);
+  hn::Store(ry, dw, sums + step);
+  hn::Store(xx, dw, sums + 2 * step);
+  hn::Store(xy, dw, sums + 3 * step);
+  hn::Store(yy, dw, sums + 4 * step);
+  hn::Store(rr, dw, sums + 5 * step);
+  hn::Store(rp, dw, sums + 6 * step);
+  hn::Store(pp, dw, sums + 7 * step);
+  hn::Store(sr, dw, sums + 8 * step);
+  hn::Store(sp, dw, sums + 9 * step);
+}
+
+template <typename Pixel>
+void ProbeRowsOf(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px, int count,
+                 int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  const ShortTag d;
+  const WideTag dw;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const std::size_t step = hn::Lanes(dw);
+  const int left = std::max(0, kProbeBits - map.bit_depth);
+  const int right = std::max(0, map.bit_depth - kProbeBits);
+  const auto load = [&](const Pixel* p) { return hn::ShiftLeft<4>(LoadProbe(d, p, left, right)); };
+  const auto w0 = hn::Set(d, map.weights_y[0]), w1 = hn::Set(d, map.weights_y[1]);
+  const auto w2 = hn::Set(d, map.weights_y[2]), w3 = hn::Set(d, map.weights_y[3]);
+  const auto w4 = hn::Set(d, map.weights_y[4]);
+  const int half_px = probe_half_px(width_px);
+  const int right_x = width_px - half_px;
+  HWY_ALIGN std::int16_t along_y[2][kMostProbed_px + 2 * kProbeReach_px + hn::MaxLanes(ShortTag())];
+  HWY_ALIGN std::int32_t sums[kProbeVectors * hn::MaxLanes(WideTag())] = {};
+  for (int row = 0; row < count; ++row) {
+    const int y = row * step_rows;
+    for (int half = 0; half < 2; ++half) {
+      const int begin = (half == 0 ? 0 : right_x) - kProbeReach_px;
+      const auto at = [&](int row_above) { return earlier.at(begin, y + row_above); };
+      const Pixel* const p0 = at(-2);
+      const Pixel* const p1 = at(-1);
+      const Pixel* const p2 = at(0);
+      const Pixel* const p3 = at(1);
+      const Pixel* const p4 = at(2);
+      for (int x = 0; x < half_px + 2 * kProbeReach_px; x += lanes) {
+        const auto outer =
+            hn::Add(hn::MulFixedPoint15(load(p0 + x), w0), hn::MulFixedPoint15(load(p4 + x), w4));
+        const auto inner =
+            hn::Add(hn::MulFixedPoint15(load(p1 + x), w1), hn::MulFixedPoint15(load(p3 + x), w3));
+        const auto sum = hn::Add(hn::Add(outer, inner), hn::MulFixedPoint15(load(p2 + x), w2));
+        hn::StoreU(sum, d, along_y[half] + x);
+      }
+    }
+    for (int half = 0; half < 2; ++half) {
+      const int begin = half == 0 ? 0 : right_x;
+      ProbeHalfOf<Pixel>(along_y[half] + kProbeReach_px, earlier.at(begin, y - 1),
+                         earlier.at(begin, y + 1), {later.at(begin, y), later.stride}, half_px, map,
+                         sums + static_cast<std::size_t>(half) * kProbeSums * step);
+    }
+    std::int32_t totals[kProbeVectors];
+    for (std::size_t i = 0; i < 2 * kProbeSums; i += step) {
+      Totals(dw, sums + i * step);
+      hn::StoreU(hn::Load(dw, sums + i * step), dw, totals + i);
+    }
+    const auto half = [&](const std::int32_t* t) {
+      return ProbeHalf{t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7], t[8], t[9]};
+    };
+    rows[row] = {half(totals), half(totals + kProbeSums)};
+  }
+}
+
+void ProbeRows8(Plane<const std::uint8_t> earlier, Plane<const std::uint8_t> later, int width_px,
+                int count, int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  ProbeRowsOf(earlier, later, width_px, count, step_rows, map, rows);
+}
+void ProbeRows16(Plane<const std::uint16_t> earlier, Plane<const std::uint16_t> later, int width_px,
+                 int count, int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  ProbeRowsOf(earlier, later, width_px, count, step_rows, map, rows);
+}
+
 // ------------------------------------------------------------------------------------- gradients
 
 void Derivative(Plane<const float> image, std::ptrdiff_t step, int width_px, int height_px,
@@ -482,6 +643,8 @@ HWY_EXPORT(CopyAndSum8);
 HWY_EXPORT(CopyAndSum16);
 HWY_EXPORT(LagProducts8);
 HWY_EXPORT(LagProducts16);
+HWY_EXPORT(ProbeRows8);
+HWY_EXPORT(ProbeRows16);
 HWY_EXPORT(Derivative);
 HWY_EXPORT(ReferenceSumsOf);
 HWY_EXPORT(ResidualSums8);
@@ -506,6 +669,16 @@ template <>
 LagProducts lag_products(Plane<const std::uint16_t> earlier, Plane<const std::uint16_t> later,
                          int width_px, int height_px, int drop_bits) {
   return HWY_DYNAMIC_DISPATCH(LagProducts16)(earlier, later, width_px, height_px, drop_bits);
+}
+template <>
+void probe_rows(Plane<const std::uint8_t> earlier, Plane<const std::uint8_t> later, int width_px,
+                int count, int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  HWY_DYNAMIC_DISPATCH(ProbeRows8)(earlier, later, width_px, count, step_rows, map, rows);
+}
+template <>
+void probe_rows(Plane<const std::uint16_t> earlier, Plane<const std::uint16_t> later, int width_px,
+                int count, int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  HWY_DYNAMIC_DISPATCH(ProbeRows16)(earlier, later, width_px, count, step_rows, map, rows);
 }
 void derivative(Plane<const float> image, std::ptrdiff_t step, int width_px, int height_px,
                 const std::array<float, kGradientReach_px>& weights_1_px, Plane<float> out) {

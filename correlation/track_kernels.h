@@ -51,6 +51,50 @@ template <typename Pixel>
 LagProducts lag_products(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px,
                          int height_px, int drop_bits);
 
+/// Columns of a half that are looked at, at most.
+inline constexpr int kMostProbed_px = 480;
+/// Grey values are probed in steps of so many bits for the full scale.
+inline constexpr int kProbeBits = 10;
+
+/// Sums over one half of a row: p = gain times the earlier frame, interpolated, less its mean;
+/// r = the later frame less its mean and p; gx, gy = differences over two px of the later frame and
+/// of gain times the earlier one, added up.
+struct ProbeHalf {
+  std::int32_t rx = 0, ry = 0;          // of r gx, r gy
+  std::int32_t xx = 0, xy = 0, yy = 0;  // of gx gx, gx gy, gy gy
+  std::int32_t rr = 0, rp = 0, pp = 0;
+  std::int32_t r = 0, p = 0;
+};
+struct ProbedRow {
+  ProbeHalf left, right;
+};
+
+inline constexpr int kProbeTaps = 5;
+inline constexpr int kProbeReach_px = kProbeTaps / 2;
+
+/// From the earlier to the later frame. Means in steps of kProbeBits.
+struct ProbeMap {
+  int bit_depth = 8;  // of the pixels
+  // By which the earlier frame is interpolated, of pixels -2 .. 2; in 1/32768.
+  std::array<std::int16_t, kProbeTaps> weights_x{}, weights_y{};
+  std::int16_t gain_2048 = 0;     // in 1/2048
+  std::int16_t earlier_mean = 0;  // times the gain
+  std::int16_t later_mean = 0;
+};
+
+/// Columns of a half. The left one begins at the first column of the region, the right one ends at
+/// the last.
+constexpr int probe_half_px(int width_px) {
+  return width_px / 2 < kMostProbed_px ? width_px / 2 : kMostProbed_px;
+}
+
+/// Fills `count` rows, every `step_rows`-th of a region from its first on. `earlier` and `later`
+/// point at the first pixel of their regions, around which the earlier frame has kProbeReach_px
+/// more on every side and the later one has one. Exact on every instruction set.
+template <typename Pixel>
+void probe_rows(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px, int count,
+                int step_rows, const ProbeMap& map, ProbedRow* rows);
+
 /// out(x, y) = derivative of `image` along x or along y; see SpeckleKernel::derivative_1_px().
 /// `step` is 1 for x, the stride for y. Reads 4 pixels beyond the region on either side.
 void derivative(Plane<const float> image, std::ptrdiff_t step, int width_px, int height_px,

@@ -47,6 +47,64 @@ LagProducts lag_products(Plane<const Pixel> earlier, Plane<const Pixel> later, i
   return out;
 }
 
+/// hwy::MulFixedPoint15: the product of two fractions in 1/32768, rounded to the nearest.
+inline int product_15(int a, int b) { return (a * b + (1 << 14)) >> 15; }
+
+/// What 16 bits hold.
+inline int saturated(int value) { return std::clamp(value, -32768, 32767); }
+
+inline int to_probe_bits(int count, int bit_depth) {
+  return bit_depth > kProbeBits ? count >> (bit_depth - kProbeBits)
+                                : count << (kProbeBits - bit_depth);
+}
+
+template <typename Pixel>
+ProbeHalf probe_half(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px,
+                     const ProbeMap& map) {
+  const auto value = [&](int x, int y) { return to_probe_bits(*earlier.at(x, y), map.bit_depth); };
+  const auto seen = [&](int x, int y) { return to_probe_bits(*later.at(x, y), map.bit_depth); };
+  const auto weighted = [](const std::array<std::int16_t, kProbeTaps>& w, const auto& at) {
+    int sum = 0;
+    for (int k = -kProbeReach_px; k <= kProbeReach_px; ++k)
+      sum += product_15(at(k), w[static_cast<std::size_t>(k + kProbeReach_px)]);
+    return sum;
+  };
+  const auto along_y = [&](int x) {
+    return weighted(map.weights_y, [&](int k) { return value(x, k) << 4; });
+  };
+  ProbeHalf out;
+  for (int x = 0; x < width_px; ++x) {
+    const auto slope = [&](int of_later, int of_earlier) {
+      return std::clamp(of_later + product_15(of_earlier, map.gain_2048), -2047, 2047);
+    };
+    const int gx = slope(seen(x + 1, 0) - seen(x - 1, 0), along_y(x + 1) - along_y(x - 1));
+    const int gy = slope(seen(x, 1) - seen(x, -1), (value(x, 1) - value(x, -1)) * 16);
+    const int predicted =
+        product_15(weighted(map.weights_x, [&](int k) { return along_y(x + k); }), map.gain_2048);
+    const int p = std::clamp(predicted - map.earlier_mean, -2047, 2047);
+    const int r = std::clamp(seen(x, 0) - map.later_mean - p, -2047, 2047);
+    out.rx += r * gx, out.ry += r * gy;
+    out.xx += gx * gx, out.xy += gx * gy, out.yy += gy * gy;
+    out.rr += r * r, out.rp += r * p, out.pp += p * p;
+    out.r += r, out.p += p;
+  }
+  return out;
+}
+
+template <typename Pixel>
+void probe_rows(Plane<const Pixel> earlier, Plane<const Pixel> later, int width_px, int count,
+                int step_rows, const ProbeMap& map, ProbedRow* rows) {
+  const int half_px = probe_half_px(width_px);
+  for (int row = 0; row < count; ++row) {
+    const int y = row * step_rows;
+    const auto half = [&](int x) {
+      return probe_half<Pixel>({earlier.at(x, y), earlier.stride}, {later.at(x, y), later.stride},
+                               half_px, map);
+    };
+    rows[row] = {half(0), half(width_px - half_px)};
+  }
+}
+
 inline void derivative(Plane<const float> image, std::ptrdiff_t step, int width_px, int height_px,
                        const std::array<float, kGradientReach_px>& weights_1_px, Plane<float> out) {
   for (int y = 0; y < height_px; ++y) {
@@ -90,12 +148,6 @@ inline ReferenceSums reference_sums(const ReferencePlanes& reference, const Regi
   }
   return out;
 }
-
-/// hwy::MulFixedPoint15: the product of two fractions in 1/32768, rounded to the nearest.
-inline int product_15(int a, int b) { return (a * b + (1 << 14)) >> 15; }
-
-/// What 16 bits hold.
-inline int saturated(int value) { return std::clamp(value, -32768, 32767); }
 
 /// A pixel as a number of kFixedPixelBits.
 inline int to_fixed(int count, int bit_depth) {

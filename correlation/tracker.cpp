@@ -58,6 +58,12 @@ void Tracker::build(const TrackFrame& frame, TrackReference& reference) const {
   reference.build(frame, size.fwhm_x_px, size.fwhm_y_px);
 }
 
+void Tracker::set_holes(const std::vector<std::uint8_t>& is_hole) {
+  has_holes_ =
+      std::any_of(is_hole.begin(), is_hole.end(), [](std::uint8_t hole) { return hole != 0; });
+  if (refinement_ == Refinement::icgn) icgn_.set_holes(is_hole);
+}
+
 TrackedShift Tracker::measure(const TrackFrame& earlier, const TrackReference& reference,
                               const TrackFrame& later, double guess_dx_px, double guess_dy_px) {
   TrackedShift out;
@@ -71,6 +77,7 @@ TrackedShift Tracker::measure(const TrackFrame& earlier, const TrackReference& r
   shift.quality.zncc = std::min(1.0, peak.status == ShiftStatus::ok ? peak.value : peak.lag_value);
   shift.quality.zncc_sigmas = zncc_in_sigmas(shift.quality.zncc, peak.shape, window.overlap_px);
   if (peak.status != ShiftStatus::ok) return out;
+  if (!has_holes_) out.rows = row_probe_.measure(earlier, later, window, peak);
 
   const Refined refined =
       refinement_ == Refinement::icgn ? icgn_.refine(reference, later, peak, window) : Refined{};
@@ -98,6 +105,18 @@ TrackedShift Tracker::measure(const TrackFrame& earlier, const TrackReference& r
   out.noise_cov = error.cov;
   out.boiling_cov = {0.0, 0.0, 0.0};
   return out;
+}
+
+RowAgreement Tracker::rows_at(const TrackFrame& earlier, const TrackFrame& later, double dx_px,
+                              double dy_px) {
+  LagWindow window;
+  if (has_holes_ || !lag_window_at(earlier, later, whole_lag(dx_px, format_.width_px),
+                     whole_lag(dy_px, format_.height_px), window))
+    return {};
+  Peak peak = fit_nine_lags(window.zncc, window.dx_px, window.dy_px);
+  peak.dx_px = dx_px;
+  peak.dy_px = dy_px;
+  return row_probe_.measure(earlier, later, window, peak);
 }
 
 }  // namespace lsv

@@ -7,6 +7,7 @@
 
 #include "correlation/icgn.h"
 #include "correlation/lag_window.h"
+#include "correlation/row_probe.h"
 #include "correlation/track_frame.h"
 #include "lsv/core/shift.h"
 
@@ -26,6 +27,8 @@ struct TrackedShift {
   /// Whether IC-GN converged. Two such shifts against the same reference share its noise, half of
   /// noise_cov each; without refinement the error of the peak fit is most of it.
   bool refined = false;
+  /// Whether the rows of the later frame move as one.
+  RowAgreement rows{};
 };
 
 /// One object per thread; allocates at construction only.
@@ -33,10 +36,9 @@ class Tracker {
  public:
   Tracker(const FrameFormat& format, Refinement refinement, double noise_sd_counts);
 
-  /// Pixels of the sensor that show nothing, row-major, not 0 where they are; used by IC-GN.
-  void set_holes(const std::vector<std::uint8_t>& is_hole) {
-    if (refinement_ == Refinement::icgn) icgn_.set_holes(is_hole);
-  }
+  /// Pixels of the sensor that show nothing, row-major, not 0 where they are. IC-GN leaves them
+  /// out; rows that have some are not alike anyway, so with holes no rows are compared.
+  void set_holes(const std::vector<std::uint8_t>& is_hole);
 
   /// Makes `reference` from `frame`, with weights for the speckle size found in it.
   void build(const TrackFrame& frame, TrackReference& reference) const;
@@ -45,11 +47,17 @@ class Tracker {
   TrackedShift measure(const TrackFrame& earlier, const TrackReference& reference,
                        const TrackFrame& later, double guess_dx_px, double guess_dy_px);
 
+  /// The same rows, for a shift that was found otherwise.
+  RowAgreement rows_at(const TrackFrame& earlier, const TrackFrame& later, double dx_px,
+                       double dy_px);
+
  private:
   FrameFormat format_;
   Refinement refinement_;
   double noise_sd_counts_;
   IcGn icgn_;
+  RowProbe row_probe_;
+  bool has_holes_ = false;
 };
 
 }  // namespace lsv

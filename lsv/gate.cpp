@@ -12,6 +12,16 @@ constexpr double kRest_px = 1.5;
 constexpr double kRestZncc = 0.95;
 constexpr double kSecondPeakSigmas = 8.0;
 
+// An error of 0.05 px or of 5 sigma comes with rows that scatter by no less than a quarter of that.
+constexpr double kLeastMove_px = 0.02;
+constexpr double kLeastMoveSigmas = 1.4;
+// Of the ZNCC, between 0 and 1: a tenth of the rows that have nothing in common with the others.
+constexpr double kLeastChange = 0.15;
+// Beyond chance. Shifts of rows have longer tails than the normal distribution: two in some 4000
+// good frames were beyond 4.5 sigma.
+constexpr double kMovedSigmas = 6.0;
+constexpr double kChangedSigmas = 4.5;
+
 /// Two patterns, of which the one that stays is the stronger.
 bool is_held_by_static_pattern(const Shift& shift) {
   const double second_peak_sigmas = shift.quality.zncc_sigmas / shift.quality.peak_ratio;
@@ -52,6 +62,14 @@ ShiftStatus judge_search(const Shift& shift, const GateConfig& gate) {
   if (status == ShiftStatus::ok && is_held_by_static_pattern(shift))
     return ShiftStatus::static_pattern;
   return status;
+}
+
+ShiftStatus judge_rows(const RowAgreement& rows, const ShiftCovariance& cov) {
+  const double sigma_px = std::sqrt(std::max(cov.xx_px2, cov.yy_px2));
+  const bool moved = rows.moved_sigmas > kMovedSigmas &&
+                     rows.moved_px > std::max(kLeastMove_px, kLeastMoveSigmas * sigma_px);
+  const bool changed = rows.changed_sigmas > kChangedSigmas && rows.changed > kLeastChange;
+  return moved || changed ? ShiftStatus::inconsistent : ShiftStatus::ok;
 }
 
 Shift with_status(const Shift& shift, ShiftStatus status) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "correlation/prepared_frame.h"
+#include "correlation/row_probe.h"
 #include "lsv/core/config.h"
 #include "lsv/core/shift.h"
 
@@ -23,6 +24,10 @@ ShiftStatus judge_shift(const Shift& shift, const GateConfig& gate);
 /// The same for a shift found by a full search, which also tells whether something that stays on
 /// the sensor outweighs the ground.
 ShiftStatus judge_search(const Shift& shift, const GateConfig& gate);
+
+/// ok, or inconsistent: whole rows differ from the rest by more than chance and by enough to matter
+/// for a shift with this covariance.
+ShiftStatus judge_rows(const RowAgreement& rows, const ShiftCovariance& cov);
 
 /// `shift` with `status`; the numbers become NaN and the quality stays unless it is ok.
 Shift with_status(const Shift& shift, ShiftStatus status);

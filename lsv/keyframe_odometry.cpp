@@ -36,6 +36,12 @@ constexpr double kSpecklesApart = 1.5;
 // That many frames without a match are no passing disturbance.
 constexpr int kLostFrames = 4;
 
+// As many torn frames, one after the other, are no accident but what frames look like now: rows
+// that something on the optics hides, say. Rows are checked again once they have agreed for a
+// while.
+constexpr int kTornFrames = 10;
+constexpr int kWholeFrames = 50;
+
 // Beyond, a keyframe is given up whatever the errors say.
 constexpr double kMaxKeyframeShift = 0.5;  // of the side of the frame
 constexpr double kMinKeyframeZncc = 0.5;
@@ -63,6 +69,7 @@ KeyframeOdometry::SlotIndex KeyframeOdometry::free_slot() const {
 PatternStep KeyframeOdometry::step(const FrameView& frame) {
   const SlotIndex now = free_slot();
   raw_ = frame;
+  is_torn_ = false;
   slots_[now].frame.load(fixed_pattern_.corrected(frame));
   slots_[now].stamp = frame.stamp;
   slots_[now].index = frame.index;
@@ -117,6 +124,7 @@ std::optional<PatternStep> KeyframeOdometry::follow(SlotIndex now) {
       meter_.follow(slots_[*keyframe_].frame, reference_, slots_[now].frame,
                     last_place_.x_px - key_place_.x_px + vx_px_per_ns_ * dt_ns,
                     last_place_.y_px - key_place_.y_px + vy_px_per_ns_ * dt_ns);
+  is_torn_ = tracked.shift.status == ShiftStatus::inconsistent;
   if (tracked.shift.status != ShiftStatus::ok) return std::nullopt;
   const double dx_px = key_place_.x_px + tracked.shift.dx_px - last_place_.x_px;
   const double dy_px = key_place_.y_px + tracked.shift.dy_px - last_place_.y_px;
@@ -142,6 +150,9 @@ PatternStep KeyframeOdometry::search(SlotIndex now) {
     if (found.shift.status == ShiftStatus::ok) return accept(now, found, Search::full_range);
     judged = found.shift;
   }
+  if (is_torn_ || judged.status == ShiftStatus::inconsistent) {
+    if (std::optional<PatternStep> refused_torn = torn(now, judged)) return *refused_torn;
+  }
   if (std::optional<PatternStep> begun = begin_segment(now)) return *begun;
   return lost(now, judged);
 }
@@ -152,6 +163,28 @@ PatternStep KeyframeOdometry::lost(SlotIndex now, const Shift& judged) {
   const PatternStep out = refused(now, judged.status, judged.quality);
   learn_while_lost(now);
   return out;
+}
+
+/// A torn frame leaves no trace: nothing is matched with it and nothing is learned from it. Nothing
+/// when frames are torn for good; what is moving can only be found among themselves, then.
+std::optional<PatternStep> KeyframeOdometry::torn(SlotIndex now, const Shift& judged) {
+  if (++frames_torn_ > kTornFrames) {
+    checks_rows_ = false;
+    frames_whole_ = 0;
+    meter_.set_checks_rows(false);
+    return std::nullopt;
+  }
+  if (frames_torn_ == kTornFrames) doubtful_ = now;
+  wanted_plane_ = {*last_, now};
+  return refused(now, ShiftStatus::inconsistent, judged.quality);
+}
+
+void KeyframeOdometry::trust_rows_again(const TrackedShift& tracked) {
+  frames_torn_ = 0;
+  if (checks_rows_) return;
+  frames_whole_ = ShiftMeter::rows_agree(tracked) ? frames_whole_ + 1 : 0;
+  checks_rows_ = frames_whole_ >= kWholeFrames;
+  meter_.set_checks_rows(checks_rows_);
 }
 
 void KeyframeOdometry::begin_segment_at(SlotIndex slot) {
@@ -230,6 +263,7 @@ PatternStep KeyframeOdometry::accept(SlotIndex now, const TrackedShift& tracked,
   last_place_ = place;
   doubtful_.reset();
   frames_lost_ = 0;
+  trust_rows_again(tracked);
   out.motion = motion_at(place);
   if (learn_fixed_pattern(now, tracked, place) || wants_keyframe(tracked, dx_px, dy_px))
     set_keyframe(now, place);

@@ -65,6 +65,8 @@ class KeyframeOdometry {
   std::optional<PatternStep> follow(SlotIndex now);
   PatternStep search(SlotIndex now);
   PatternStep lost(SlotIndex now, const Shift& judged);
+  std::optional<PatternStep> torn(SlotIndex now, const Shift& judged);
+  void trust_rows_again(const TrackedShift& tracked);
   std::optional<PatternStep> begin_segment(SlotIndex now);
   void begin_segment_at(SlotIndex slot);
   Shift acquire(SlotIndex earlier, SlotIndex later);
@@ -94,7 +96,11 @@ class KeyframeOdometry {
   Place rest_place_;  // where the pattern was when it came to rest
   FrameView raw_;     // the frame being measured, as it came
   LookPlanner look_planner_;
-  int frames_lost_ = 0;  // fit frames since the last accepted one
+  int frames_lost_ = 0;   // fit frames since the last accepted one
+  bool is_torn_ = false;  // the frame at hand
+  int frames_torn_ = 0;   // one after the other
+  bool checks_rows_ = true;
+  int frames_whole_ = 0;  // one after the other, while rows are not checked
   int steps_since_keyframe_ = 0;
   int frames_near_rest_place_ = 0;
   MotionState motion_ = MotionState::unknown;

@@ -81,7 +81,13 @@ TrackedShift ShiftMeter::refine(const TrackFrame& earlier, const TrackReference&
                                 const TrackFrame& later, const Shift& acquired) {
   if (acquired.status == ShiftStatus::ok) last_search_ = acquired.quality;
   TrackedShift found{.shift = acquired, .noise_cov = acquired.cov, .boiling_cov = {0.0, 0.0, 0.0}};
-  if (acquired.status != ShiftStatus::ok || preset_ != Preset::precise) return found;
+  if (acquired.status != ShiftStatus::ok || preset_ == Preset::classic) return found;
+  const auto as_acquired = [&] {
+    found.rows = tracker_.rows_at(earlier, later, acquired.dx_px, acquired.dy_px);
+    judge(found);
+    return found;
+  };
+  if (preset_ != Preset::precise) return as_acquired();
   const TrackedShift tracked =
       tracker_.measure(earlier, reference, later, acquired.dx_px, acquired.dy_px);
   // Where too little overlaps for IC-GN the peak fit of the search is the better one; elsewhere
@@ -89,10 +95,10 @@ TrackedShift ShiftMeter::refine(const TrackFrame& earlier, const TrackReference&
   if (tracked.shift.status != ShiftStatus::ok || !tracked.refined ||
       std::abs(tracked.shift.dx_px - acquired.dx_px) > kSameMaximum_px ||
       std::abs(tracked.shift.dy_px - acquired.dy_px) > kSameMaximum_px)
-    return found;
+    return as_acquired();
   found = tracked;
   take_background(found.shift.quality);
-  found.shift = with_status(found.shift, judge_shift(found.shift, gate_));
+  judge(found);
   return found;
 }
 
@@ -100,8 +106,19 @@ TrackedShift ShiftMeter::follow(const TrackFrame& earlier, const TrackReference&
                                 const TrackFrame& later, double guess_dx_px, double guess_dy_px) {
   TrackedShift out = tracker_.measure(earlier, reference, later, guess_dx_px, guess_dy_px);
   take_background(out.shift.quality);
-  out.shift = with_status(out.shift, judge_shift(out.shift, gate_));
+  judge(out);
   return out;
+}
+
+void ShiftMeter::judge(TrackedShift& tracked) const {
+  ShiftStatus status = judge_shift(tracked.shift, gate_);
+  if (status == ShiftStatus::ok && checks_rows_ && gate_.refuse_inconsistent)
+    status = judge_rows(tracked.rows, tracked.shift.cov);
+  tracked.shift = with_status(tracked.shift, status);
+}
+
+bool ShiftMeter::rows_agree(const TrackedShift& tracked) {
+  return judge_rows(tracked.rows, tracked.shift.cov) == ShiftStatus::ok;
 }
 
 void ShiftMeter::take_background(ShiftQuality& quality) const {

@@ -44,6 +44,11 @@ class ShiftMeter {
   TrackedShift follow(const TrackFrame& earlier, const TrackReference& reference,
                       const TrackFrame& later, double guess_dx_px, double guess_dy_px);
 
+  /// Whether shifts are refused as inconsistent; on unless switched off.
+  void set_checks_rows(bool checks_rows) { checks_rows_ = checks_rows; }
+  /// What the check says, switched off or not.
+  static bool rows_agree(const TrackedShift& tracked);
+
   /// Full width at half maximum of the speckle, or somewhat more, as far as the preset knows it.
   double speckle_px(const TrackReference& reference) const;
 
@@ -54,6 +59,7 @@ class ShiftMeter {
  private:
   ShiftMeter(const TrackConfig& config, const FrameFormat& format, Acquisition acquisition);
   void take_background(ShiftQuality& quality) const;
+  void judge(TrackedShift& tracked) const;
 
   Preset preset_;
   GateConfig gate_;
@@ -62,6 +68,7 @@ class ShiftMeter {
   Acquisition acquisition_;
   Tracker tracker_;
   ShiftQuality last_search_;
+  bool checks_rows_ = true;
 };
 
 }  // namespace lsv

@@ -89,6 +89,10 @@ void add_gate(CLI::App& command, Settings& settings, GateConfig& gate) {
   settings.add_switch(command, "refuse_frozen", "--refuse-frozen,!--allow-frozen",
                       "Whether bit-identical frames of a noisy camera are refused [true]",
                       gate.refuse_frozen);
+  settings.add_switch(
+      command, "refuse_inconsistent", "--refuse-inconsistent,!--allow-inconsistent",
+      "Whether frames with rows that do not show the motion of the others are refused [true]",
+      gate.refuse_inconsistent);
 }
 
 }  // namespace

@@ -65,6 +65,7 @@ struct GateConfig {
   double max_saturated_fraction = 0.5;  // of the pixels, [0, 1]
   double min_contrast_to_noise = 3.0;   // pixel spread / camera noise sd, >= 0
   bool refuse_frozen = true;            // ignored when the camera noise sd is 0
+  bool refuse_inconsistent = true;      // torn frames; never with `classic`
 };
 
 struct TrackConfig {

@@ -25,6 +25,8 @@ std::string_view word(ShiftStatus status) {
       return "ambiguous";
     case ShiftStatus::static_pattern:
       return "static_pattern";
+    case ShiftStatus::inconsistent:
+      return "inconsistent";
     case ShiftStatus::below_zncc_gate:
       return "below_zncc_gate";
     case ShiftStatus::below_q_gate:
@@ -59,6 +61,9 @@ std::string_view advice(ShiftStatus status) {
       return "Something that stays on the sensor outweighs the ground, which moves: clean the "
              "optics, "
              "or cut borders off with --roi.";
+    case ShiftStatus::inconsistent:
+      return "Some rows of the frame do not show the motion of the others: the frame is torn or "
+             "incomplete; check the transport and the buffers of the camera.";
     case ShiftStatus::below_zncc_gate:
       return "The frames resemble each other too little: the motion may exceed --max-shift, or "
              "the speckle boils.";

@@ -30,6 +30,7 @@ enum class ShiftStatus {
   flat_peak,        // the neighbourhood of the peak has no shape that the fit accepts
   ambiguous,        // a second peak is nearly as high
   static_pattern,   // the frames match at rest, but part of them also somewhere else
+  inconsistent,     // some rows do not show the motion of the others
   below_zncc_gate,  // peak ZNCC under GateConfig::min_zncc or min_zncc_sigmas
   below_q_gate,     // Q under GateConfig::min_q
 };
@@ -49,6 +50,7 @@ inline constexpr std::array kAllShiftStatuses = {ShiftStatus::ok,
                                                  ShiftStatus::flat_peak,
                                                  ShiftStatus::ambiguous,
                                                  ShiftStatus::static_pattern,
+                                                 ShiftStatus::inconsistent,
                                                  ShiftStatus::below_zncc_gate,
                                                  ShiftStatus::below_q_gate};
 

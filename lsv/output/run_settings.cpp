@@ -56,6 +56,7 @@ std::vector<Setting> run_settings(const RunInfo& info) {
       {"max_saturated_fraction", gate.max_saturated_fraction},
       {"min_contrast_to_noise", gate.min_contrast_to_noise},
       {"refuse_frozen", gate.refuse_frozen},
+      {"refuse_inconsistent", gate.refuse_inconsistent},
       {"sensor_name", calibration.sensor_name},
       {"calibration_sha256", calibration.digest},
       {"pixel_pitch_x_m", calibration.pixel_pitch_x_m},

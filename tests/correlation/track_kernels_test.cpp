@@ -166,6 +166,39 @@ TEST_P(TrackKernelsTest, LagProductsHoldFullScale) {
   }
 }
 
+// ------------------------------------------------------------------------------------ probed rows
+
+template <typename Pixel>
+void expect_probed(const Image<Pixel>& earlier, const Image<Pixel>& later, int width_px,
+                   const ProbeMap& map) {
+  constexpr int kCount = 3, kStep = 3;
+  ProbedRow got[kCount], want[kCount];
+  probe_rows(earlier.from(2, 2), later.from(1, 1), width_px, kCount, kStep, map, got);
+  ref::probe_rows(earlier.from(2, 2), later.from(1, 1), width_px, kCount, kStep, map, want);
+  EXPECT_EQ(0, std::memcmp(got, want, sizeof got)) << width_px << ", " << map.bit_depth << " bit";
+}
+
+// Steep gains and odd weights, so that every clamp is met.
+TEST_P(TrackKernelsTest, ProbedRowsAreExactAtEveryWidthAndDepth) {
+  for (const int gain : {700, 2048, 9000}) {
+    ProbeMap map{.bit_depth = 8,
+                 .weights_x = {300, -3000, 30000, 6000, -532},
+                 .weights_y = {-700, 5000, 29000, -800, 268},
+                 .gain_2048 = static_cast<std::int16_t>(gain),
+                 .earlier_mean = 200,
+                 .later_mean = 240};
+    const auto earlier8 = random_image<std::uint8_t>(150, 12, 255);
+    const auto later8 = random_image<std::uint8_t>(150, 12, 255);
+    for (int width = 2; width <= 141; ++width) expect_probed(earlier8, later8, width, map);
+    for (const int bits : {9, 12, 16}) {
+      map.bit_depth = bits;
+      const auto earlier16 = random_image<std::uint16_t>(150, 12, (1 << bits) - 1);
+      const auto later16 = random_image<std::uint16_t>(150, 12, (1 << bits) - 1);
+      for (const int width : {2, 31, 64, 97, 141}) expect_probed(earlier16, later16, width, map);
+    }
+  }
+}
+
 // ------------------------------------------------------------------------------------- gradients
 
 constexpr double kUlp = 0x1p-24;  // of a sum of 1 in single precision, rounded to the nearest

@@ -112,5 +112,19 @@ TEST(WithStatus, ARefusedShiftHasNoNumbersButKeepsItsQuality) {
   EXPECT_EQ(with_status(good_shift(), ShiftStatus::ok).dx_px, 1.0);
 }
 
+TEST(JudgeRows, NeedsBothMoreThanChanceAndEnoughToMatter) {
+  const ShiftCovariance sure{1e-8, 0.0, 1e-8}, unsure{1e-2, 0.0, 1e-2};
+  const auto moved = [](double px, double sigmas) {
+    return RowAgreement{.moved_px = px, .moved_sigmas = sigmas};
+  };
+  EXPECT_EQ(judge_rows({}, sure), ShiftStatus::ok);
+  EXPECT_EQ(judge_rows(moved(0.05, 8.0), sure), ShiftStatus::inconsistent);
+  EXPECT_EQ(judge_rows(moved(0.05, 3.0), sure), ShiftStatus::ok);
+  EXPECT_EQ(judge_rows(moved(0.005, 8.0), sure), ShiftStatus::ok);
+  EXPECT_EQ(judge_rows(moved(0.05, 8.0), unsure), ShiftStatus::ok);
+  EXPECT_EQ(judge_rows({.changed = 0.4, .changed_sigmas = 8.0}, unsure), ShiftStatus::inconsistent);
+  EXPECT_EQ(judge_rows({.changed = 0.05, .changed_sigmas = 30.0}, sure), ShiftStatus::ok);
+}
+
 }  // namespace
 }  // namespace lsv

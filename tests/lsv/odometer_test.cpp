@@ -383,5 +383,35 @@ TEST(Odometer, SameFramesSameBits) {
   EXPECT_EQ(runs[0], runs[1]);
 }
 
+/// The lower third of the rows is that of another place, for good.
+void put_strange_rows(Frame& frame, Frame& other) {
+  const FrameView view = frame.view();
+  for (int y = 2 * view.height_px() / 3; y < view.height_px(); ++y)
+    std::copy_n(other.row8(y), view.width_px(), frame.row8(y));
+}
+
+// A torn frame is refused and leaves no trace; what is torn for good does not lock out.
+TEST_F(OdometerTest, TornFramesAreRefusedAndNeverForGood) {
+  Frame other = simulated(camera_, 0, 500.0, 500.0);
+  std::int64_t k = 0;
+  const auto step = [&](bool torn) {
+    Frame frame = simulated(camera_, k, 1.3 * static_cast<double>(k), 0.4 * static_cast<double>(k));
+    ++k;
+    if (torn) put_strange_rows(frame, other);
+    return push(frame);
+  };
+  while (k < 10) step(false);
+  EXPECT_EQ(step(true).shift.status, ShiftStatus::inconsistent);
+  const StepReport next = step(false);
+  ASSERT_EQ(next.shift.status, ShiftStatus::ok);
+  EXPECT_NEAR(next.shift.dx_px, 2.6, 0.01);
+  EXPECT_EQ(next.segment, 0);
+  while (k < 20) step(false);
+  int refused = 0;
+  while (refused < 40 && step(true).shift.status != ShiftStatus::ok) ++refused;
+  EXPECT_GT(refused, 5);
+  EXPECT_LE(refused, 20);
+}
+
 }  // namespace
 }  // namespace lsv

@@ -58,6 +58,9 @@ void take_out(Broken broken, Script& script, TrackConfig& config, StreamOptions&
       gate.max_saturated_fraction = 1.0;
       gate.min_contrast_to_noise = 0.0;
       break;
+    case Broken::row_check:
+      gate.refuse_inconsistent = false;
+      break;
     case Broken::correlation_gate:
       gate.min_zncc = -1.0;
       gate.min_zncc_sigmas = 0.0;

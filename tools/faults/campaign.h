@@ -25,6 +25,7 @@ enum class Broken {
   format_check,    // the frame is cut to the right format
   frozen_check,
   light_check,       // dark and contrast
+  row_check,         // rows that do not move as one
   correlation_gate,  // ZNCC, Q, peak ratio
   covariance,        // sigmas a tenth of what they are
   silence,           // a lost source is told after 10 s

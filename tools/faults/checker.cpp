@@ -179,14 +179,15 @@ const Episode* Checker::episode_before(std::int64_t at_ns) const {
 }
 
 void Checker::judge_episodes() {
-  findings_.episodes = static_cast<std::int64_t>(episodes_.size());
+  findings_.episodes = std::count_if(episodes_.begin(), episodes_.end(),
+                                     [](const Episode& one) { return one.must_be_told; });
   for (std::size_t i = 0; i < episodes_.size(); ++i) {
     const Episode& episode = episodes_[i];
     const std::int64_t until_ns = episode.end_ns + kTellingFrames * kPeriod_ns;
     const auto told = std::find_if(told_.begin(), told_.end(), [&](const Told& one) {
       return (one.alarm & alarms_) != 0 && one.at_ns >= episode.begin_ns && one.at_ns <= until_ns;
     });
-    if (told != told_.end()) {
+    if (told != told_.end() && episode.must_be_told) {
       findings_.latencies_frames.push_back(static_cast<double>(told->at_ns - episode.begin_ns) /
                                            kPeriod_ns);
     }

@@ -33,6 +33,7 @@ enum Alarm : unsigned {
 struct Episode {
   std::int64_t begin_ns = 0;
   std::int64_t end_ns = 0;
+  bool must_be_told = true;  // otherwise it may be, and must do no harm
 };
 
 /// What one run of a stream amounted to.

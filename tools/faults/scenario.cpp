@@ -17,7 +17,8 @@ Script::Script(const Footage& shot, std::uint64_t seed)
       random_bits(seed),
       info{.description = "the simulated camera", .format = shot.format(), .period_ns = kPeriod_ns},
       faulty(static_cast<std::size_t>(shot.exposures())),
-      lost_(faulty.size()) {
+      lost_(faulty.size()),
+      harmless_(faulty.size()) {
   for (std::int64_t k = 0; k < exposures(); ++k) {
     deliveries.push_back({.exposure = k,
                           .picture = k,
@@ -49,8 +50,10 @@ void Script::close() {
   for (std::int64_t k = 0; k < exposures(); ++k) {
     if (!faulty[static_cast<std::size_t>(k)]) continue;
     const std::int64_t at_ns = arrival_ns(k);
-    if (k == 0 || !faulty[static_cast<std::size_t>(k - 1)]) episodes.push_back({at_ns, at_ns});
+    if (k == 0 || !faulty[static_cast<std::size_t>(k - 1)])
+      episodes.push_back({at_ns, at_ns, false});
     episodes.back().end_ns = at_ns;
+    if (!harmless_[static_cast<std::size_t>(k)]) episodes.back().must_be_told = true;
   }
   for (std::int64_t k = exposures() - 1; k >= 0; --k) {
     if (lost_[static_cast<std::size_t>(k)]) deliveries.erase(deliveries.begin() + k);

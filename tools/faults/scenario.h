@@ -38,6 +38,11 @@ class Script {
   /// The frame of an exposure does not arrive; or is another than it should be.
   void lose(std::int64_t exposure);
   void mark(std::int64_t exposure) { faulty[static_cast<std::size_t>(exposure)] = true; }
+  /// Another than it should be, by less than matters: it need not be told, and must do no harm.
+  void mark_harmless(std::int64_t exposure) {
+    mark(exposure);
+    harmless_[static_cast<std::size_t>(exposure)] = true;
+  }
   Delivery& at(std::int64_t exposure) { return deliveries[static_cast<std::size_t>(exposure)]; }
 
   /// What is lost is taken out, the rest put in order of arrival.
@@ -55,6 +60,7 @@ class Script {
 
  private:
   std::vector<bool> lost_;
+  std::vector<bool> harmless_;
 };
 
 /// What must hold beyond the invariants, which always must.
