@@ -76,8 +76,8 @@ kernels::FixedWeights fixed_weights(const KernelWeights& weights) {
 }
 
 /// Circular Gaussian fields that correlate to c in intensity: given the earlier intensity I, the
-/// later one has the variance 2 c (1 - c) I <I> + (1 - c)^2 <I>^2 (Goodman), of which the first part
-/// is the share 2 c / (1 + c).
+/// later one has the variance 2 c (1 - c) I <I> + (1 - c)^2 <I>^2 (Goodman), of which the first
+/// part is the share 2 c / (1 + c).
 double boiling_factor(double boiling_ratio) {
   const double c = 1.0 / std::sqrt(1.0 + boiling_ratio);
   return 1.0 + kBoilingExcess * 2.0 * c / (1.0 + c);

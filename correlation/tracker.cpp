@@ -111,7 +111,7 @@ RowAgreement Tracker::rows_at(const TrackFrame& earlier, const TrackFrame& later
                               double dy_px) {
   LagWindow window;
   if (has_holes_ || !lag_window_at(earlier, later, whole_lag(dx_px, format_.width_px),
-                     whole_lag(dy_px, format_.height_px), window))
+                                   whole_lag(dy_px, format_.height_px), window))
     return {};
   Peak peak = fit_nine_lags(window.zncc, window.dx_px, window.dy_px);
   peak.dx_px = dx_px;
