@@ -18,6 +18,7 @@
 #include "tools/part_folder.h"
 #include "tools/rover_scenario.h"
 #include "tools/sensor_axes.h"
+#include "tools/tables_mcap.h"
 #include "tools/xy_plot.h"
 
 namespace lsv::cli {
@@ -26,10 +27,12 @@ namespace {
 constexpr const char* kFooter =
     "Writes truth.csv and truth.tum (pose of the axle's middle, velocity in body axes, efficiency "
     "of\n"
-    "the wheels), wheels.csv, lsv_1.csv ... and imu.csv as far as the rover has them, rover.toml "
-    "for\n"
-    "lsv fuse, scenario.toml and rover.html. Nothing is overwritten. A scenario of your own is a\n"
-    "TOML file (docs/formats.md).\n"
+    "the wheels), wheels.csv, lsv_1.csv ... and imu.csv as far as the rover has them, the "
+    "same\n"
+    "in one rover.mcap (JSON, for Foxglove and PlotJuggler), rover.toml for lsv fuse, "
+    "scenario.toml\n"
+    "and rover.html. Nothing is overwritten. A scenario of your own is a TOML file "
+    "(docs/formats.md).\n"
     "\n"
     "Example:\n"
     "  lsv simulate rover sand_crossing --seed 3 -o drive\n"
@@ -238,9 +241,13 @@ Result<void> simulate(const SimulateRover& command) {
                                                               command.seed)));
   }
   files.emplace_back("rover.html", page(command.scenario, scenario, readings));
+  std::vector<TopicTable> topics;
   for (const auto& [name, text] : files) {
     if (Result<void> done = write(name, text); !done) return done;
+    if (name.ends_with(".csv")) topics.push_back({"/" + name.substr(0, name.size() - 4), text});
   }
+  if (Result<void> done = write_tables_mcap(folder.value().file("rover.mcap"), topics); !done)
+    return done;
   if (Result<void> done = folder.value().commit(); !done) return done;
   std::fprintf(stderr,
                "%s: %zu poses in %.6g s, %zu LSV sensors, wheels%s; rover.html shows them\n",

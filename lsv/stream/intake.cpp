@@ -28,6 +28,9 @@ constexpr int kLateThatRestart = 10;
 constexpr std::int64_t kSilenceThatRestarts_ns = 100'000'000;
 // By how much the way from exposure to arrival may be shorter than it ever was.
 constexpr std::int64_t kEarlySlack_ns = 2'000'000;
+// The first frame may have waited in the driver, so that the shortest way is known from the next
+// one on.
+constexpr int kWaysThatTell = 1;
 // Clocks run apart by up to 100 ppm.
 constexpr std::int64_t kClockDrift = 10'000;
 
@@ -154,7 +157,7 @@ std::optional<Intake::Judged> Intake::by_time_alone(std::int64_t camera_ns,
   const std::int64_t stamp_ns = camera_ns + offset_ns_;
   const std::int64_t way_ns = label.arrival_ns - camera_ns;
   const bool plausible = exposures >= 1 && stamp_ns > newest_.stamp_ns &&
-                         way_ns >= earliest_ns_ - kEarlySlack_ns - nominal_period_ns_ / 2 &&
+                         way_ns >= shortest_way_ns() &&
                          way_ns <= earliest_ns_ + kSilenceThatRestarts_ns;
   if (!plausible) return std::nullopt;
   return Judged{.exposures = exposures, .stamp_ns = stamp_ns, .good = true, .by_time = true};
@@ -188,6 +191,12 @@ Intake::Judged Intake::by_step(std::int64_t step, const std::optional<std::int64
                                                                              : replaced;
 }
 
+/// From the exposure to the arrival, as the two clocks have it.
+std::int64_t Intake::shortest_way_ns() const {
+  const std::int64_t slack_ns = ways_ < kWaysThatTell ? kSilenceThatRestarts_ns : kEarlySlack_ns;
+  return earliest_ns_ - slack_ns - nominal_period_ns_ / 2;
+}
+
 /// Id and stamp disagree: which of them does the time of arrival support?
 bool Intake::time_is_right(std::int64_t step, std::int64_t exposures, std::int64_t camera_ns,
                            const FrameLabel& label) const {
@@ -195,7 +204,7 @@ bool Intake::time_is_right(std::int64_t step, std::int64_t exposures, std::int64
   if (exposures > step) {
     // A frame that waited in the driver arrives any time after its exposure, but not before.
     const std::int64_t way_ns = label.arrival_ns - camera_ns;
-    return way_ns >= earliest_ns_ - kEarlySlack_ns - nominal_period_ns_ / 2;
+    return way_ns >= shortest_way_ns();
   }
   const std::int64_t between_ns = label.arrival_ns - newest_.arrival_ns;
   const std::int64_t by_stamp_ns = camera_ns + offset_ns_ - newest_.stamp_ns;
@@ -234,10 +243,12 @@ void Intake::place(const Judged& judged, std::int64_t step,
     if (judged.anchors) {
       offset_ns_ = judged.stamp_ns - *camera_ns;
       earliest_ns_ = way_ns;
+      ways_ = 0;
       period_base_.reset();
     } else {
       const std::int64_t drift_ns = (*camera_ns - good_->camera_ns) / kClockDrift;
       earliest_ns_ = std::min(earliest_ns_ + drift_ns, way_ns);
+      ways_ = std::min(ways_ + 1, kWaysThatTell);
     }
     good_ = {.camera_ns = *camera_ns, .index = newest_.index};
     strays_ = 0;

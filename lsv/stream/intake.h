@@ -71,6 +71,7 @@ class Intake {
   std::optional<Judged> by_time_alone(std::int64_t camera_ns, const FrameLabel& label) const;
   Judged by_step(std::int64_t step, const std::optional<std::int64_t>& camera_ns,
                  const FrameLabel& label) const;
+  std::int64_t shortest_way_ns() const;
   bool time_is_right(std::int64_t step, std::int64_t exposures, std::int64_t camera_ns,
                      const FrameLabel& label) const;
   bool clock_goes_on(std::int64_t step, std::int64_t camera_ns) const;
@@ -94,6 +95,7 @@ class Intake {
   GoodStamp next_period_base_;
   std::int64_t offset_ns_ = 0;                  // stamp handed out - camera's clock
   std::int64_t earliest_ns_ = 0;                // least arrival - camera's clock, lately
+  int ways_ = 0;                                // of which that is the least, to kWaysThatTell
   std::optional<std::int64_t> last_camera_ns_;  // of the newest frame, good or not
   int strays_ = 0;    // replaced stamps in a row that follow each other well
   int late_run_ = 0;  // late frames in a row that follow each other

@@ -89,7 +89,7 @@ TEST_F(SensorMapsFile, AMissingOrChangedFileIsRefused) {
   std::filesystem::remove(maps_path());
   expect_refusal("no such sensor maps file (named by [maps] of " + calibration_path(), maps_path());
   std::filesystem::create_directory(maps_path());
-  expect_refusal("no such sensor maps file", maps_path());
+  expect_refusal("is a folder, not a sensor maps file", maps_path());
 }
 
 TEST_F(SensorMapsFile, AFileLargerThanItsMapsIsNotRead) {

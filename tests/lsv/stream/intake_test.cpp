@@ -100,6 +100,27 @@ void expect_true_stamps(const Outcome& outcome, std::int64_t tolerance_ns) {
   }
 }
 
+// The ids count what is sent. That the first frame has waited must not make the next one look as if
+// it had come before its exposure.
+TEST(Intake, AHoleBehindAFirstFrameThatCameLateIsCounted) {
+  for (const std::int64_t late_ns : {kPeriod_ns, 5 * kPeriod_ns, 50 * kPeriod_ns}) {
+    std::vector<Sent> frames = {sent(0)};
+    frames[0].label.arrival_ns += late_ns;
+    for (std::int64_t k = 2; k < 500; ++k) {
+      frames.push_back(sent(k));
+      --frames.back().label.camera_id;
+      frames.back().label.arrival_ns =
+          std::max(frames.back().label.arrival_ns, frames[frames.size() - 2].label.arrival_ns + 1);
+    }
+    const Outcome outcome = run(frames);
+    expect_sound(outcome, frames.size());
+    expect_true_indices(outcome);
+    expect_true_stamps(outcome, 0);
+    EXPECT_EQ(outcome.missing, 1);
+    EXPECT_EQ(outcome.bad_stamps, 0);
+  }
+}
+
 TEST(Intake, TakesGoodFramesAsTheyAre) {
   const Outcome outcome = run(all_sent(5000));
   expect_sound(outcome, 5000);
