@@ -72,7 +72,7 @@ struct HealthSnapshot {
   std::int64_t restarts = 0;          // times that the source was re-opened
   std::int64_t transport_losses = 0;  // packets or frames that the camera's driver counted as lost
 
-  double frame_rate_hz = kUnknown;    // over the last second
+  double frame_rate_hz = kUnknown;    // over the last second or two, or since the start
   LatencySummary latency{};           // arrival of a frame to its result
   double queue_age_max_s = kUnknown;  // longest wait of a frame before it was measured
   double since_result_s = kUnknown;   // age of the last result

@@ -20,6 +20,7 @@ constexpr std::int64_t kDrain_ns = 200 * kNsPerMs;
 constexpr std::int64_t kFirstFrame_ns = 2'000 * kNsPerMs;
 constexpr std::int64_t kWorkerStall_ns = 500 * kNsPerMs;
 constexpr std::int64_t kReadLossesEvery_ns = 100 * kNsPerMs;
+constexpr std::int64_t kShortestRate_ns = kNsPerS;
 constexpr int kForeignFramesThatReopen = 10;
 constexpr std::size_t kEventsKept = 256;
 
@@ -80,7 +81,8 @@ StreamPipeline::StreamPipeline(Odometer odometer, const LiveSourceInfo& info,
       heard_ns_(clock_()),
       odometer_(std::move(odometer)),
       next_health_ns_(heard_ns_ + options.health_every_ns),
-      rate_since_ns_(heard_ns_),
+      rate_since_{.host_ns = heard_ns_},
+      rate_before_(rate_since_),
       ring_(static_cast<std::size_t>(options.queue_frames), info.format) {
   if (options.queue_reports > 0) {
     reports_.emplace(static_cast<std::size_t>(options.queue_reports));
@@ -405,12 +407,15 @@ void StreamPipeline::tell_health(std::int64_t now_ns) {
   if (next_health_ns_ <= now_ns) next_health_ns_ = now_ns + options_.health_every_ns;
   {
     const std::lock_guard lock(mutex_);
-    if (now_ns > rate_since_ns_) {
-      book_.frame_rate_hz = static_cast<double>(book_.received - rate_since_frames_) /
-                            seconds(now_ns - rate_since_ns_);
+    const RateMark now_mark{.host_ns = now_ns, .received = book_.received};
+    // The last snapshot may follow closely on one before: over so little time a rate says nothing.
+    const bool is_long = now_ns - rate_since_.host_ns >= kShortestRate_ns;
+    const RateMark since = is_long ? rate_since_ : rate_before_;
+    if (now_ns > since.host_ns) {
+      book_.frame_rate_hz =
+          static_cast<double>(now_mark.received - since.received) / seconds(now_ns - since.host_ns);
     }
-    rate_since_ns_ = now_ns;
-    rate_since_frames_ = book_.received;
+    if (is_long) rate_before_ = std::exchange(rate_since_, now_mark);
   }
   const HealthSnapshot now = health();
   tell([&](StreamSink& sink) { sink.on_health(now); });

@@ -65,6 +65,12 @@ class StreamPipeline {
   StreamPipeline(Odometer odometer, const LiveSourceInfo& info, const StreamOptions& options,
                  std::vector<StreamSink*> sinks, MonotonicClock clock);
 
+  /// How many frames had come, and when.
+  struct RateMark {
+    std::int64_t host_ns = 0;
+    std::int64_t received = 0;
+  };
+
   // On the thread of capture().
   Result<Grab> grab(LiveSource& source);
   std::int64_t patience_ns(std::int64_t now_ns) const;
@@ -114,8 +120,8 @@ class StreamPipeline {
   std::int64_t reported_missing_ = 0, reported_rejected_ = 0, reported_dropped_ = 0;
   std::vector<StreamEvent> telling_;
   std::int64_t next_health_ns_;
-  std::int64_t rate_since_ns_;
-  std::int64_t rate_since_frames_ = 0;
+  RateMark rate_since_;   // from which the frame rate is counted
+  RateMark rate_before_;  // the one before, at least kShortestRate_ns older, or the start
   Tally refused_tally_, sink_tally_;
 
   LatencyHistogram latency_;

@@ -337,6 +337,15 @@ TEST(StreamPipeline, HealthComesOncePerSecondEvenInSilence) {
   EXPECT_GT(bench.sink.healths[3].since_valid_shift_s, 1.0);
 }
 
+TEST(StreamPipeline, TheLastFrameRateIsOfAtLeastASecond) {
+  for (const std::int64_t frames : {400, 1004, 2004}) {
+    Bench bench;
+    faults::VirtualCamera camera = test::virtual_camera(bench.clock, good_deliveries(frames));
+    bench.run(camera);
+    EXPECT_NEAR(bench.sink.healths.back().frame_rate_hz, 1000.0, 2.0) << frames << " frames";
+  }
+}
+
 TEST(StreamPipeline, RefusesWhatCannotBe) {
   VirtualClock clock(test::kBegin_ns);
   const auto make = [&](const StreamOptions& options, const LiveSourceInfo& info) {
