@@ -9,6 +9,7 @@
 #include "tools/commands.h"
 #include "tools/hdf5_recording.h"
 #include "tools/interrupt.h"
+#include "tools/output_names.h"
 #include "tools/progress.h"
 
 namespace lsv::cli {
@@ -21,6 +22,7 @@ struct ConvertCommand {
 };
 
 Result<int> convert(const ConvertCommand& command) {
+  if (Result<void> file = refuse_stdout(command.output, "an HDF5 file"); !file) return file.error();
   const std::string& path = command.recording;
   Result<RecordingReader> reader =
       RecordingReader::open(path, {.max_pixels = SourceOptions{}.max_pixels});

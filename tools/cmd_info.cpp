@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lsv/ingest/frame_source.h"
+#include "lsv/mcap/tail.h"
 #include "lsv/output/number_text.h"
 #include "tools/camera_list.h"
 #include "tools/commands.h"
@@ -126,6 +127,22 @@ void print_json(const SourceInfo& info, const Levels& levels,
   std::puts(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
+/// Why a recording has no frame to look at.
+Error without_frames(const std::string& path, const RecordingFacts& facts) {
+  const mcap::FileCondition& found = facts.condition;
+  std::string why = path + ": holds no frame";
+  if (!found.finished && facts.has_tail) {
+    why = path + ": was never closed, and holds no whole frame; lsv recover may find frames in " +
+          mcap::tail_path(path);
+  } else if (found.chunks == 0 && found.damages > 0) {
+    why = found.first_damage;
+  } else if (!found.finished) {
+    why = path + ": was never closed, and holds no whole frame; there is no " +
+          mcap::tail_path(path) + ", where lsv recover would look for some";
+  }
+  return {ErrorCode::bad_input, why};
+}
+
 struct InfoCommand {
   std::vector<std::string> frames;
   bool json = false;
@@ -146,6 +163,7 @@ Result<void> describe(InfoCommand& command) {
   if (command.frames.size() == 1 && is_recording_path(command.frames.front())) {
     auto facts = recording_facts(command.frames.front(), command.source.max_pixels);
     if (!facts) return facts.error();
+    if (facts.value().frames == 0) return without_frames(command.frames.front(), facts.value());
     recording = std::move(facts).value();
   }
   Result<std::unique_ptr<FrameSource>> source = open_frames(command.frames, command.source);

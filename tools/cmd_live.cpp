@@ -13,10 +13,11 @@ void add_live_command(CLI::App& app, int& exit_code) {
       app.add_subcommand("live", "Track the speckle pattern of a camera while it moves");
   add_live_options(*sub, *command);
   sub->add_option("--record", command->recording, "Record to this file (.mcap) as well")
-      ->group("Outputs ('-' is standard output)");
+      ->group("Outputs");
   sub->footer(
       "Example:\n"
       "  lsv simulate camera --seconds 60 &\n"
+      "  # go on when it says that the camera is ready, after some seconds\n"
       "  lsv live genicam:127.0.0.1 --calibration sample_frames/calibration.toml \\\n"
       "      --seconds 30 -o out\n"
       "Exit codes: 0 ok, 1 output not written, 2 usage, 3 camera, 4 too many shifts refused, "

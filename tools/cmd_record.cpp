@@ -16,6 +16,7 @@ void add_record_command(CLI::App& app, int& exit_code) {
   sub->footer(
       "Example:\n"
       "  lsv simulate camera --seconds 60 &\n"
+      "  # go on when it says that the camera is ready, after some seconds\n"
       "  lsv record genicam:127.0.0.1 drive.mcap --calibration sample_frames/calibration.toml \\\n"
       "      --seconds 30\n"
       "  lsv replay drive.mcap -o out\n"

@@ -9,6 +9,7 @@
 #include "lsv/mcap/recover.h"
 #include "lsv/mcap/tail.h"
 #include "tools/commands.h"
+#include "tools/output_names.h"
 
 namespace lsv::cli {
 namespace {
@@ -19,6 +20,8 @@ struct RecoverCommand {
 };
 
 Result<mcap::Recovered> recover(const RecoverCommand& command) {
+  if (Result<void> named = refuse_stdout(command.output, "a recording"); !named)
+    return named.error();
   auto file = mcap::open_file(command.recording);
   if (!file) return file.error();
   auto tail = mcap::open_tail(command.recording);
@@ -50,8 +53,13 @@ void print(const RecoverCommand& command, const mcap::Recovered& found) {
   if (found.file.damages > 0)
     line(number(found.file.damages) + " damaged places, first: " + found.file.first_damage);
   if (found.chunks_before_tail > 0) line(number(found.chunks_before_tail) + " chunks are lost");
-  line(found.lost_something() ? "something is lost; frames that are missing show as holes"
-                              : "nothing is known to be lost");
+  if (!found.file.finished && !found.has_tail)
+    line("there is no " + mcap::tail_path(command.recording) +
+         ", which would hold its last frames");
+  if (found.lost_something())
+    line("something is lost; frames that are missing show as holes");
+  else
+    line(found.end_unknown ? "frames at its end may be lost" : "nothing is known to be lost");
 }
 
 int run(const RecoverCommand& command) {
@@ -61,7 +69,8 @@ int run(const RecoverCommand& command) {
   if (std::fflush(stdout) != 0) {
     return report_error({ErrorCode::output_failed, "standard output could not be written"});
   }
-  return recovered.value().lost_something() ? kExitLowQuality : kExitOk;
+  const bool whole = !recovered.value().lost_something() && !recovered.value().end_unknown;
+  return whole ? kExitOk : kExitLowQuality;
 }
 
 }  // namespace
@@ -77,7 +86,7 @@ void add_recover_command(CLI::App& app, int& exit_code) {
       "Example:\n"
       "  lsv recover drive.mcap -o drive_recovered.mcap\n"
       "Exit codes: 0 nothing is known to be lost, 1 output not written, 2 usage, 3 input, 4 saved, "
-      "but something is lost.");
+      "but something is lost or may be.");
   sub->callback([command, &exit_code] { exit_code = run(*command); });
 }
 

@@ -106,10 +106,10 @@ Result<int> replay(ReplayCommand& command) {
   if (Result<void> finished = outputs.value().finish({.interrupted = interrupted()}); !finished)
     return finished.error();
   if (!command.quiet) std::fputs(summary_text(outputs.value().summary()).c_str(), stderr);
-  if (!command.quiet || !check.identical())
-    std::fprintf(stderr, "lsv: replay: %s\n", check.text().c_str());
+  const bool confirmed = check.identical() && !check.compared_nothing();
+  if (!command.quiet || !confirmed) std::fprintf(stderr, "lsv: replay: %s\n", check.text().c_str());
   if (interrupted()) return kExitInterrupted;
-  return check.identical() ? kExitOk : kExitLowQuality;
+  return confirmed ? kExitOk : kExitLowQuality;
 }
 
 }  // namespace
@@ -124,9 +124,9 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   sub->footer(
       "Example:\n"
       "  lsv replay drive.mcap -o out\n"
-      "Exit codes: 0 every step is bit for bit as recorded, 1 output not written, 2 usage, 3 "
-      "input, "
-      "4 a step is not as recorded, 130 interrupted.");
+      "Exit codes: 0 every step that can be compared is bit for bit as recorded, 1 output not "
+      "written, 2 usage, 3 input, 4 a step is not as recorded or none can be compared, 130 "
+      "interrupted.");
   sub->callback([command, sub, &exit_code] {
     if (const Result<void> named = refuse_empty_names(*sub); !named) {
       exit_code = report_error(named.error());

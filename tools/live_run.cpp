@@ -13,6 +13,7 @@
 #include "calibration/text_file.h"
 #include "lsv/camera/open_camera.h"
 #include "lsv/mcap/bytes.h"
+#include "lsv/mcap/tail.h"
 #include "lsv/odometer.h"
 #include "lsv/output/number_text.h"
 #include "lsv/record/recorder.h"
@@ -77,6 +78,16 @@ std::vector<std::string> inputs_of(const LiveCommand& command) {
   for (const std::string& path :
        {command.config_path, sensor_maps_path(track.config.calibration, track.calibration_path)}) {
     if (!path.empty()) out.push_back(path);
+  }
+  return out;
+}
+
+/// What is written besides OutputPaths. The tail is there while the recording is written.
+std::vector<std::string> other_outputs_of(const LiveCommand& command) {
+  std::vector<std::string> out = {command.health_path};
+  if (!command.recording.empty()) {
+    out.push_back(command.recording);
+    out.push_back(mcap::tail_path(command.recording));
   }
   return out;
 }
@@ -159,9 +170,8 @@ Result<void> check(const LiveCommand& command) {
         "a calibration is needed to turn pixels into metres: give --calibration FILE "
         "(sample_frames/calibration.toml is an example)");
   }
-  const OutputPaths& out = command.outputs;
-  return at_most_one_on_stdout(
-      {out.csv, out.tum, out.jsonl, out.report, out.summary, command.health_path});
+  if (Result<void> file = refuse_stdout(command.recording, "a recording"); !file) return file;
+  return check_output_names(command.outputs, other_outputs_of(command), inputs_of(command));
 }
 
 Result<std::unique_ptr<LiveSource>> open_source(const LiveCommand& command) {
@@ -196,6 +206,13 @@ Result<std::unique_ptr<Recorder>> start_recording(const LiveCommand& command,
   return Recorder::create(options);
 }
 
+/// Tells every one of them, and that of the first is the exit code.
+int report_errors(const std::vector<Error>& errors) {
+  const int exit_code = report_error(errors.front());
+  for (std::size_t i = 1; i < errors.size(); ++i) report_error(errors[i]);
+  return exit_code;
+}
+
 Result<int> live(LiveCommand& command) {
   if (Result<void> resolved = resolve_live(command.live); !resolved) return resolved.error();
   if (Result<void> checked = check(command); !checked) return checked.error();
@@ -207,8 +224,10 @@ Result<int> live(LiveCommand& command) {
   const TrackConfig& config = command.live.track.config;
   const Result<RunInfo> info = run_info(config, camera);
   if (!info) return info.error();
-  Result<TrackOutputs> outputs = TrackOutputs::open(command.outputs, info.value(),
-                                                    command.settings.to_toml(), inputs_of(command));
+  // Once more, with the sensor maps that the calibration names.
+  Result<TrackOutputs> outputs =
+      TrackOutputs::open(command.outputs, info.value(), command.settings.to_toml(),
+                         inputs_of(command), other_outputs_of(command));
   if (!outputs) return outputs.error();
 
   LiveEvents events;
@@ -232,23 +251,23 @@ Result<int> live(LiveCommand& command) {
     if (Result<void> done = run.finish(); !done) return done.error();
     failure = run.failure();
   }
-  if (recorder.value()) {
-    if (Result<void> closed = recorder.value()->close(); !closed) return closed.error();
-  }
-  if (Result<void> finished = outputs.value().finish({.interrupted = interrupted()}); !finished)
-    return finished.error();
+  // A full disk that has spoiled the recording, say, must not cost the other results as well.
+  std::vector<Error> errors;
+  const auto keep = [&errors](const Result<void>& done) {
+    if (!done) errors.push_back(done.error());
+  };
+  if (recorder.value()) keep(recorder.value()->close());
+  keep(outputs.value().finish({.interrupted = interrupted()}));
   const HealthSnapshot health = stream.value()->health();
-  if (!command.health_path.empty()) {
-    if (Result<void> written = write_file(command.health_path, health_json(health)); !written)
-      return written.error();
-  }
+  if (!command.health_path.empty()) keep(write_file(command.health_path, health_json(health)));
   const Summary summary = outputs.value().summary();
   if (!command.quiet) {
     std::fputs(summary_text(summary).c_str(), stderr);
     for (const std::string& line : {latency_line(health), losses_line(health)})
       std::fprintf(stderr, "%s\n", line.c_str());
   }
-  if (!failure.empty()) return Error{ErrorCode::bad_input, failure};
+  if (!failure.empty()) errors.push_back({ErrorCode::bad_input, failure});
+  if (!errors.empty()) return report_errors(errors);
   return exit_code_of(summary, command.live.track.max_rejected_share);
 }
 

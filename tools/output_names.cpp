@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 namespace lsv::cli {
+
+namespace fs = std::filesystem;
 
 Result<void> refuse_empty_names(const CLI::App& command,
                                 std::initializer_list<const char*> options) {
@@ -24,13 +27,34 @@ Result<void> at_most_one_on_stdout(const std::vector<std::string>& outputs) {
   return {};
 }
 
+Result<void> refuse_stdout(const std::string& output, const std::string& what) {
+  if (output != "-") return {};
+  return Error{ErrorCode::invalid_argument,
+               what + " cannot go to standard output ('-'): name a file"};
+}
+
+Result<void> refuse_shared_files(const std::vector<std::string>& outputs) {
+  std::set<fs::path> taken;
+  for (const std::string& output : outputs) {
+    std::error_code ignored;
+    if (output.empty() || output == "-" || fs::is_other(output, ignored)) continue;
+    const fs::path absolute = fs::absolute(output, ignored);
+    const fs::path file = fs::weakly_canonical(absolute, ignored);
+    if (!taken.insert(file.empty() ? absolute : file).second) {
+      return Error{ErrorCode::invalid_argument,
+                   output + ": is named for two outputs; give every output its own name"};
+    }
+  }
+  return {};
+}
+
 Result<void> refuse_inputs(const std::vector<std::string>& outputs,
                            const std::vector<std::string>& inputs) {
   for (const std::string& output : outputs) {
     std::error_code ignored;  // what does not exist is not an input
-    if (output.empty() || !std::filesystem::is_regular_file(output, ignored)) continue;
+    if (output.empty() || !fs::is_regular_file(output, ignored)) continue;
     for (const std::string& input : inputs) {
-      if (std::filesystem::equivalent(output, input, ignored)) {
+      if (fs::equivalent(output, input, ignored)) {
         return Error{ErrorCode::invalid_argument,
                      output + ": is an input of this run; choose another name for the output"};
       }

@@ -18,6 +18,12 @@ Result<void> refuse_empty_names(const CLI::App& command,
 
 Result<void> at_most_one_on_stdout(const std::vector<std::string>& outputs);
 
+/// Refuses '-' for an output that can only be a file; `what` names it.
+Result<void> refuse_stdout(const std::string& output, const std::string& what);
+
+/// Refuses a file that is, by whatever name, more than one of the outputs.
+Result<void> refuse_shared_files(const std::vector<std::string>& outputs);
+
 /// Refuses an output that is, by whatever name, one of the files read.
 Result<void> refuse_inputs(const std::vector<std::string>& outputs,
                            const std::vector<std::string>& inputs);

@@ -26,6 +26,7 @@ void ReplayCheck::compare(const RecordedFrame& recorded, const StepReport& repla
 }
 
 std::string ReplayCheck::text() const {
+  if (compared_nothing()) return "no step can be compared, because " + stopped_because_;
   std::string out = different_ == 0
                         ? std::to_string(compared_) + " steps are bit for bit as recorded"
                         : std::to_string(different_) + " of " + std::to_string(compared_) +

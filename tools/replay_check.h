@@ -17,6 +17,8 @@ class ReplayCheck {
 
   /// No step differs that could be compared.
   bool identical() const { return different_ == 0; }
+  /// No step could be compared.
+  bool compared_nothing() const { return compared_ == 0; }
   /// What came of it, as a sentence or two.
   std::string text() const;
 

@@ -21,7 +21,7 @@ std::string config_path(const OutputPaths& paths) {
   return (std::filesystem::path(paths.directory) / "config.toml").string();
 }
 
-Result<void> expand_directory(OutputPaths& paths) {
+Result<void> make_directory(const OutputPaths& paths) {
   if (paths.directory.empty()) return {};
   std::error_code status;
   std::filesystem::create_directories(paths.directory, status);
@@ -29,6 +29,11 @@ Result<void> expand_directory(OutputPaths& paths) {
     return Error{ErrorCode::output_failed,
                  paths.directory + ": cannot be created: " + status.message()};
   }
+  return {};
+}
+
+void fill_from_directory(OutputPaths& paths) {
+  if (paths.directory.empty()) return;
   const std::filesystem::path directory = paths.directory;
   const auto fill = [&](std::string& path, const char* name) {
     if (path.empty()) path = (directory / name).string();
@@ -37,7 +42,6 @@ Result<void> expand_directory(OutputPaths& paths) {
   fill(paths.tum, "track.tum");
   fill(paths.report, "report.html");
   fill(paths.summary, "summary.json");
-  return {};
 }
 
 std::vector<std::string> names(const OutputPaths& paths) {
@@ -69,14 +73,25 @@ Result<void> refuse_empty_names(const CLI::App& command) {
                             {"--output", "--csv", "--tum", "--jsonl", "--report", "--summary"});
 }
 
+Result<void> check_output_names(OutputPaths paths, const std::vector<std::string>& others,
+                                const std::vector<std::string>& inputs) {
+  fill_from_directory(paths);
+  std::vector<std::string> outputs = names(paths);
+  outputs.insert(outputs.end(), others.begin(), others.end());
+  if (!paths.directory.empty()) outputs.push_back(config_path(paths));
+  if (Result<void> checked = at_most_one_on_stdout(outputs); !checked) return checked;
+  if (Result<void> checked = refuse_inputs(outputs, inputs); !checked) return checked;
+  return refuse_shared_files(outputs);
+}
+
 Result<TrackOutputs> TrackOutputs::open(OutputPaths paths, const RunInfo& info,
                                         const std::string& config_toml,
-                                        const std::vector<std::string>& inputs) {
-  if (Result<void> checked = at_most_one_on_stdout(names(paths)); !checked) return checked.error();
-  if (Result<void> expanded = expand_directory(paths); !expanded) return expanded.error();
-  std::vector<std::string> outputs = names(paths);
-  if (!paths.directory.empty()) outputs.push_back(config_path(paths));
-  if (Result<void> checked = refuse_inputs(outputs, inputs); !checked) return checked.error();
+                                        const std::vector<std::string>& inputs,
+                                        const std::vector<std::string>& others) {
+  if (Result<void> checked = check_output_names(paths, others, inputs); !checked)
+    return checked.error();
+  if (Result<void> made = make_directory(paths); !made) return made.error();
+  fill_from_directory(paths);
 
   TrackOutputs out;
   out.report_frame_ = paths.report_frame;

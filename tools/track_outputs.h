@@ -32,13 +32,19 @@ void add_output_options(CLI::App& command, OutputPaths& paths);
 /// An output option of `command` given an empty name, as by an unset shell variable, is an error.
 Result<void> refuse_empty_names(const CLI::App& command);
 
+/// Refuses (invalid_argument) outputs of which one is, by whatever name, one of `inputs` or of the
+/// other outputs. `others`: files that the command writes besides `paths`.
+Result<void> check_output_names(OutputPaths paths, const std::vector<std::string>& others,
+                                const std::vector<std::string>& inputs);
+
 class TrackOutputs {
  public:
-  /// `config_toml`: the resolved settings, written beside the results of -o. An output that is one
-  /// of `inputs`, by whatever name, is refused (invalid_argument).
+  /// `config_toml`: the resolved settings, written beside the results of -o. Checks the names with
+  /// check_output_names().
   static Result<TrackOutputs> open(OutputPaths paths, const RunInfo& info,
                                    const std::string& config_toml,
-                                   const std::vector<std::string>& inputs);
+                                   const std::vector<std::string>& inputs,
+                                   const std::vector<std::string>& others = {});
 
   /// `odometer` has just made `report` from `frame`.
   Result<void> write(const StepReport& report, const FrameView& frame, Odometer& odometer);

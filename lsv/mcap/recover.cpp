@@ -69,15 +69,18 @@ Result<void> add_tail(ByteSource& source, Reader& reader, Recovered& out) {
   std::optional<TailContent>& tail = read.value();
   // Without the chunks that were found damaged.
   const std::uint64_t expected = reader.condition().chunks;
+  out.end_unknown = true;
   if (!tail) {
     out.tail_refused = "it holds nothing whole";
   } else if (tail->chunk < expected ||
              (expected > 0 && crc32(tail->records) == reader.condition().last_chunk_crc)) {
     out.tail_refused = "the file has its chunk already";
+    out.end_unknown = false;
   } else if (const Result<void> added = reader.add_chunk(std::move(tail->records)); !added) {
     out.tail_refused = added.error().message;
   } else {
     out.chunks_before_tail = tail->chunk - expected;
+    out.end_unknown = false;
   }
   return {};
 }
@@ -96,6 +99,7 @@ Result<Recovered> recover(std::unique_ptr<ByteSource> file, std::unique_ptr<Byte
   if (Result<void> copied = copy.run(); !copied) return copied.error();
   Recovered out{.file = reader.value().condition()};
   out.has_tail = tail != nullptr;
+  out.end_unknown = !tail && !out.file.finished;
   if (tail && !out.file.finished) {
     const std::uint64_t before = copy.messages();
     if (Result<void> added = add_tail(*tail, reader.value(), out); !added) return added.error();

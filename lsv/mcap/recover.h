@@ -23,6 +23,8 @@ struct Recovered {
   std::uint64_t chunks_before_tail = 0;
   bool has_tail = false;
   std::string tail_refused{};  // why a tail was not taken; empty when it was or there is none
+  /// Never closed, and no tail tells what came after the last chunk.
+  bool end_unknown = false;
 
   /// Something is known to be missing: a chunk torn at the end is not where the tail has it.
   bool lost_something() const {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibration/calibration_io.h"
+#include "lsv/mcap/writer.h"
 #include "lsv/odometer.h"
 #include "lsv/record/recorder.h"
 #include "sim/speckle.h"
@@ -232,7 +233,69 @@ TEST(Recover, SaysWhenSomethingIsLost) {
   EXPECT_FALSE(std::filesystem::exists(scratch.file("none.mcap")));
 }
 
+/// A file as it is when its writer was killed: with a whole chunk in it, or with none.
+void write_unclosed(const std::string& path, bool has_chunk) {
+  mcap::Writer writer = mcap::Writer::create(mcap::create_file(path).value(),
+                                             std::make_unique<mcap::HeapChunk>(4096), {})
+                            .value();
+  if (!has_chunk) return;
+  const auto channel = writer.add_channel({.topic = "note", .message_encoding = "cdr"}).value();
+  ASSERT_TRUE(writer.write({.channel = channel}, mcap::Bytes(60)).ok());
+  ASSERT_TRUE(writer.flush().ok());
+}
+
+TEST(Recover, SaysThatTheEndMayBeLostWithoutATailThatCanBeUsed) {
+  const test::Scratch scratch;
+  const std::string path = scratch.file("rec.mcap");
+  write_unclosed(path, true);
+  const ProgramResult without = lsv_run({"recover", path, "-o", scratch.file("a.mcap")});
+  EXPECT_EQ(without.exit_code, 4) << without.out << without.err;
+  EXPECT_NE(without.out.find("there is no " + path + ".tail"), std::string::npos) << without.out;
+  EXPECT_NE(without.out.find("may be lost"), std::string::npos) << without.out;
+  test::write_bytes(path + ".tail", mcap::Bytes(5000, std::byte{3}));
+  const ProgramResult damaged = lsv_run({"recover", path, "-o", scratch.file("b.mcap")});
+  EXPECT_EQ(damaged.exit_code, 4) << damaged.out << damaged.err;
+  EXPECT_NE(damaged.out.find("was not used"), std::string::npos) << damaged.out;
+  EXPECT_NE(damaged.out.find("may be lost"), std::string::npos) << damaged.out;
+}
+
+TEST(Info, OfARecordingWithoutAFrameSaysWhereSomeMayBe) {
+  const test::Scratch scratch;
+  const std::string path = scratch.file("rec.mcap");
+  write_unclosed(path, false);
+  const ProgramResult alone = lsv_run({"info", path});
+  test::expect_one_line_error(alone, 3, "was never closed");
+  test::write_bytes(path + ".tail", mcap::Bytes(5000));
+  const ProgramResult killed = lsv_run({"info", path});
+  test::expect_one_line_error(killed, 3, "was never closed");
+  test::expect_one_line_error(killed, 3, "lsv recover may find frames in " + path + ".tail");
+  const std::string noise = scratch.file("noise.mcap");
+  test::write_bytes(noise, mcap::Bytes(5000, std::byte{0x5A}));
+  test::expect_one_line_error(lsv_run({"info", noise}), 3, "noise.mcap: is not an MCAP file");
+}
+
+TEST(Replay, IsNotFineWhenNothingCouldBeCompared) {
+  const test::Scratch scratch;
+  const std::string path = scratch.file("rec.mcap");
+  const auto begun_before = [](StepReport& step) {
+    if (step.frame == 0) step.shift.status = ShiftStatus::ok;
+  };
+  ASSERT_TRUE(record_run(path, begun_before)->close().ok());
+  const ProgramResult replayed = lsv_run({"replay", path, "-q"});
+  test::expect_one_line_error(replayed, 4, "no step can be compared, because the recording begins");
+}
+
+TEST(RecordingCommands, DoNotTakeAFileForStandardOutput) {
+  test::expect_one_line_error(lsv_run({"convert", "rec.mcap", "-"}), 2, "name a file");
+  test::expect_one_line_error(lsv_run({"recover", "rec.mcap", "-o", "-"}), 2, "name a file");
+}
+
 TEST(RecordingCommands, ShowAnExample) {
+  for (const char* command : {"live", "record"}) {
+    const ProgramResult help = lsv_run({command, "--help"});
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_NE(help.out.find("says that the camera is ready"), std::string::npos) << command;
+  }
   for (const char* command : {"replay", "recover", "info"}) {
     const ProgramResult help = lsv_run({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);

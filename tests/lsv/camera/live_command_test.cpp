@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "lsv/ingest/csv_table.h"
+#include "tests/lsv/mcap/file_limit.h"
 #include "tests/support/own_network.h"
 #include "tests/support/run_program.h"
 #include "tests/support/simulated_camera_process.h"
@@ -351,6 +352,57 @@ TEST_F(LiveCommand, UsageIsRefusedInOneLine) {
             std::string::npos);
   EXPECT_EQ(refusal({"gst:lsv_no_such_element", "--calibration", calibration()}, 3),
             "lsv: gst:lsv_no_such_element: it cannot be opened\n");
+}
+
+// Before the camera is looked for: none is there.
+TEST_F(LiveCommand, NoOutputIsAnInputOrAnotherOutput) {
+  const std::string folder = test::fresh_directory();
+  const std::string input = folder + "/cal.toml";
+  const std::string text = test::read_text(calibration());
+  std::filesystem::copy_file(calibration(), input);
+  std::filesystem::create_symlink("cal.toml", folder + "/link.toml");
+  std::filesystem::create_directory(folder + "/sub");
+  const auto refused = [&](const std::vector<std::string>& args, const char* why) {
+    std::vector<std::string> all = {LSV_PROGRAM, "live", "genicam:127.0.0.1", "--calibration",
+                                    input};
+    all.insert(all.end(), args.begin(), args.end());
+    const test::ProgramResult result = test::run_program(all);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
+  };
+  const char* const is_input = "is an input of this run";
+  const char* const is_twice = "is named for two outputs";
+  const std::string a = folder + "/a";
+  const std::string also_a = folder + "/sub/../a";
+  refused({"--health", folder + "/link.toml"}, is_input);
+  refused({"--record", input}, is_input);
+  refused({"--csv", a, "--health", also_a}, is_twice);
+  refused({"--csv", a, "--jsonl", a}, is_twice);
+  refused({"-o", folder + "/out", "--health", folder + "/out/summary.json"}, is_twice);
+  refused({"--csv", also_a, "--record", a}, is_twice);
+  refused({"--csv", a + ".tail", "--record", also_a}, is_twice);
+  refused({"--record", "-"}, "name a file");
+  EXPECT_EQ(test::read_text(input), text);
+  EXPECT_FALSE(std::filesystem::exists(a));
+  EXPECT_FALSE(std::filesystem::exists(folder + "/out"));
+}
+
+TEST_F(LiveCommand, ADiskTooFullForTheRecordingCostsNoOtherResult) {
+  const std::string folder = test::fresh_directory();
+  // Room for the tail, but not for all 11 MB of the frames, even if a busy machine loses half.
+  const test::FileLimit limit(4'200'000);
+  const test::ProgramResult result = test::run_program(
+      {LSV_PROGRAM, "record",
+       "gst:videotestsrc num-buffers=200 pattern=snow ! "
+       "video/x-raw,format=GRAY8,width=240,height=240,framerate=200/1",
+       folder + "/full.mcap", "--calibration", calibration(), "-o", folder + "/out", "--health",
+       folder + "/health.json", "--max-rejected", "1"});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_NE(result.err.find("lsv: cannot write " + folder + "/full.mcap"), std::string::npos)
+      << result.err;
+  EXPECT_GT(count(json::parse(test::read_text(folder + "/health.json")), "received"), 0);
+  for (const char* const name : {"track.csv", "summary.json", "report.html"})
+    EXPECT_TRUE(std::filesystem::exists(folder + "/out/" + name)) << name;
 }
 
 }  // namespace

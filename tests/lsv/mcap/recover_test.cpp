@@ -162,6 +162,25 @@ TEST(Recover, LeavesATailOfAnotherRecordingAlone) {
   ASSERT_TRUE(saved.report.ok());
   EXPECT_EQ(saved.messages, kept);
   EXPECT_NE(saved.report.value().tail_refused, "");
+  EXPECT_TRUE(saved.report.value().end_unknown);
+}
+
+TEST(Recover, KnowsTheEndOnlyByAWholeTail) {
+  Remains remains = killed_after(30);
+  EXPECT_FALSE(recovered(remains).report.value().end_unknown);
+  Remains damaged = remains;
+  damaged.tail.resize(4096);
+  EXPECT_TRUE(recovered(damaged).report.value().end_unknown);
+  test::MemoryDisk disk;
+  const auto report = mcap::recover(mcap::memory_source("rec.mcap", remains.file), nullptr,
+                                    std::make_unique<test::MemorySink>(disk));
+  EXPECT_TRUE(report.value().end_unknown);
+  EXPECT_FALSE(report.value().lost_something());
+  // Closed well, a file needs no tail.
+  test::MemoryDisk copy;
+  const auto closed = mcap::recover(mcap::memory_source("rec.mcap", disk.bytes), nullptr,
+                                    std::make_unique<test::MemorySink>(copy));
+  EXPECT_FALSE(closed.value().end_unknown);
 }
 
 TEST(Recover, LeavesATailAloneThatTheFileHasOutgrown) {
