@@ -389,14 +389,14 @@ TEST_F(LiveCommand, NoOutputIsAnInputOrAnotherOutput) {
 
 TEST_F(LiveCommand, ADiskTooFullForTheRecordingCostsNoOtherResult) {
   const std::string folder = test::fresh_directory();
+  const std::string camera =
+      "gst:videotestsrc num-buffers=200 pattern=snow ! "
+      "video/x-raw,format=GRAY8,width=240,height=240,framerate=200/1";
   // Room for the tail, but not for all 11 MB of the frames, even if a busy machine loses half.
   const test::FileLimit limit(4'200'000);
   const test::ProgramResult result = test::run_program(
-      {LSV_PROGRAM, "record",
-       "gst:videotestsrc num-buffers=200 pattern=snow ! "
-       "video/x-raw,format=GRAY8,width=240,height=240,framerate=200/1",
-       folder + "/full.mcap", "--calibration", calibration(), "-o", folder + "/out", "--health",
-       folder + "/health.json", "--max-rejected", "1"});
+      {LSV_PROGRAM, "record", camera, folder + "/full.mcap", "--calibration", calibration(), "-o",
+       folder + "/out", "--health", folder + "/health.json", "--max-rejected", "1"});
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_NE(result.err.find("lsv: cannot write " + folder + "/full.mcap"), std::string::npos)
       << result.err;
